@@ -1,0 +1,104 @@
+#pragma once
+/// \file scan_integrator.h
+/// Scan in, update batch out: the one entry point of the engine.
+
+#include <superray/core/ray_bundle.h>
+#include <superray/core/sensor_model.h>
+#include <superray/core/update_batch.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace superray {
+
+/// How the batch is computed. All give the same map, bit for bit.
+enum class Method : std::uint8_t {
+    reference,   ///< one ray, one cell at a time, into a hash map (the oracle)
+    perRay,      ///< every ray walked into the batch
+    superRays,   ///< rays grouped into super rays first (paper Sec. IV-A)
+    culling,     ///< walks end at the culling region (paper Sec. IV-B)
+    full,        ///< super rays and culling region
+    automatic    ///< chosen by measurement per scan ("auto")
+};
+Method methodFromString(const std::string& name);  ///< \throws std::invalid_argument
+const char* toString(Method method);
+
+struct IntegratorOptions {
+    Method method = Method::automatic;
+    UpdatePolicy policy = UpdatePolicy::everyRay;
+    /// Super-ray threshold k: end cells with fewer points are not grouped
+    /// (paper Sec. IV-A3; its experiments use 20).
+    std::uint32_t superRayThreshold = 20;
+    /// Threads that walk rays; >= 1. The result does not depend on it.
+    unsigned threads = 1;
+    /// \throws std::invalid_argument naming the option and the rule
+    void validate() const;
+};
+
+/// Work done for one scan (paper Table III, Fig. 12).
+struct ScanStatistics {
+    std::uint64_t rays = 0;            ///< rays in the bundle
+    std::uint64_t superRays = 0;       ///< rays walked after grouping
+    std::uint64_t traversedCells = 0;  ///< free cells visited
+    std::uint64_t raysCulled = 0;      ///< rays shortened by the culling region
+    std::uint64_t cullingCells = 0;    ///< cells in the culling region
+    std::uint64_t touchedBlocks = 0;
+    double superRaySeconds = 0, cullingSeconds = 0, traversalSeconds = 0;
+    ScanStatistics& operator+=(const ScanStatistics& o);
+};
+
+/// What the engine asks of a map: which cells are saturated free.
+template <int Dim>
+class SaturationSource {
+   public:
+    virtual ~SaturationSource() = default;
+    /// Cells of the block whose log-odds are at the lower clamp `lowerClamp`;
+    /// nullptr if none. Valid until the map changes.
+    virtual const BlockMask<Dim>* saturatedFree(const BlockKey<Dim>& key,
+                                                float lowerClamp) const = 0;
+};
+
+/// Exact (unsaturated) counts of one cell.
+struct CellCounts {
+    std::uint32_t misses = 0, hits = 0;
+};
+template <int Dim>
+using CellCountMap = std::unordered_map<Cell<Dim>, CellCounts, IndexHash>;
+
+/// Turns scans into update batches. Keeps buffers between scans: one instance
+/// per map; not thread-safe (it runs its own threads).
+template <int Dim>
+class ScanIntegrator {
+   public:
+    ScanIntegrator();
+    ~ScanIntegrator();
+    ScanIntegrator(ScanIntegrator&&) noexcept;
+    ScanIntegrator& operator=(ScanIntegrator&&) noexcept;
+
+    /// True if `method` (or a model whose clamps lie more than 255 updates
+    /// apart) must go through countCells() instead of integrate().
+    static bool needsExactCounts(const IntegratorOptions& options, const SensorModel& model);
+
+    /// Counts of a scan in blocks. The reference stays valid until the next call.
+    /// \param map current saturation of the map; may be nullptr (then no
+    ///        culling by map contents)
+    /// \pre !needsExactCounts(options, model)
+    const UpdateBatch<Dim>& integrate(const RayBundle<Dim>& rays, const SensorModel& model,
+                                      const IntegratorOptions& options,
+                                      const SaturationSource<Dim>* map);
+
+    /// Statistics of the last integrate().
+    const ScanStatistics& statistics() const;
+
+   private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+extern template class ScanIntegrator<2>;
+extern template class ScanIntegrator<3>;
+
+}  // namespace superray

@@ -1,0 +1,61 @@
+#pragma once
+/// \file map_file.h
+/// The native file (.srmap): sections with length and checksum, validated
+/// before anything is allocated or replaced; see doc/file_format.md.
+
+#include <superray/storage/occupancy_map.h>
+
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace superray {
+
+/// A file that is not what it should be: names the file, the place and the rule.
+class MapFileError : public std::runtime_error {
+   public:
+    using std::runtime_error::runtime_error;
+};
+
+enum class StorageType : std::uint8_t { blockGrid, tree };
+
+/// An empty storage. `tree` is Octree in 3D, Quadtree in 2D.
+template <int Dim>
+std::unique_ptr<OccupancyMap<Dim>> makeStorage(StorageType type,
+                                               const CellGeometry<Dim>& geometry);
+
+/// Everything but the cells.
+struct MapFileHeader {
+    std::string className;  ///< e.g. "CSuperRayGridMap3D"
+    int dimension = 3;
+    double resolution = 0;
+    std::string options;  ///< .ini text of all options, opaque here
+};
+
+/// Cells of a map as bytes (deflated, versioned, checksummed), independent of
+/// storage type; the payload of files and of MRPT serialisation.
+template <int Dim>
+std::vector<std::uint8_t> encodeCells(const OccupancyMap<Dim>& map);
+/// Replaces the contents of `map`; on any error throws MapFileError and leaves
+/// it untouched. Sizes are validated before memory is taken.
+template <int Dim>
+void decodeCells(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& map);
+
+/// Writes to a temporary file beside `path`, syncs, renames: a failure leaves
+/// an old file whole. \throws MapFileError
+void saveMapFile(const std::string& path, const MapFileHeader& header,
+                 const std::vector<std::uint8_t>& cells);
+
+struct MapFile {
+    MapFileHeader header;
+    std::vector<std::uint8_t> cells;  ///< for decodeCells()
+};
+/// Reads and validates the container (magic, version, lengths, checksums).
+/// \throws MapFileError
+MapFile loadMapFile(const std::string& path);
+/// Same, from memory (tests, fuzzing). `name` is used in messages.
+MapFile parseMapFile(const std::uint8_t* data, std::size_t size, const std::string& name);
+
+}  // namespace superray

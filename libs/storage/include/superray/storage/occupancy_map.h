@@ -1,0 +1,95 @@
+#pragma once
+/// \file occupancy_map.h
+/// What every map storage does, for 2D and 3D alike.
+
+#include <superray/core/block.h>
+#include <superray/core/reference_mapper.h>
+#include <superray/core/scan_integrator.h>
+#include <superray/core/sensor_model.h>
+#include <superray/core/update_batch.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace superray {
+
+/// Contents of one block: `values[i]` is the log-odds of cell index i where
+/// `known` has bit i; other values are unspecified.
+template <int Dim>
+struct BlockView {
+    BlockKey<Dim> key;
+    const float* values;  ///< kBlockCells<Dim> of them
+    BlockMask<Dim> known;
+};
+
+/// Log-odds per cell. Unknown is a state of its own, not a value.
+///
+/// Not thread-safe for writing; const members may be called concurrently.
+template <int Dim>
+class OccupancyMap : public SaturationSource<Dim> {
+   public:
+    using BlockVisitor = std::function<void(const BlockView<Dim>&)>;
+
+    explicit OccupancyMap(const CellGeometry<Dim>& geometry) : geometry_(geometry) {}
+
+    const CellGeometry<Dim>& geometry() const { return geometry_; }
+
+    /// A deep copy.
+    virtual std::unique_ptr<OccupancyMap> clone() const = 0;
+    /// An empty map of the same type.
+    virtual std::unique_ptr<OccupancyMap> emptyLike(const CellGeometry<Dim>& geometry) const = 0;
+
+    /// Applies a scan (design rules 4 and 5): for every touched cell
+    /// value = model.updated(value or 0, misses, hits, policy), bit for bit.
+    virtual void apply(const UpdateBatch<Dim>& batch, const SensorModel& model,
+                       UpdatePolicy policy) = 0;
+
+    /// The same from exact counts, cell by cell (method `reference`).
+    void apply(const CellCountMap<Dim>& counts, const SensorModel& model, UpdatePolicy policy);
+
+    /// Log-odds of a cell; nothing if unknown.
+    virtual std::optional<float> logOdds(const Cell<Dim>& cell) const = 0;
+    /// Makes a cell known with this value.
+    virtual void setLogOdds(const Cell<Dim>& cell, float value) = 0;
+    /// Overwrites the known cells of a block (loading a file, merging).
+    virtual void setBlock(const BlockView<Dim>& block) = 0;
+
+    /// Visits every block with a known cell, in unspecified order. Uniform
+    /// regions of trees are visited block by block, at full resolution.
+    virtual void forEachBlock(const BlockVisitor& visit) const = 0;
+
+    virtual void clear() = 0;
+    virtual bool empty() const = 0;
+    /// Bytes held by the contents (allocator overhead included as far as known).
+    virtual std::size_t memoryBytes() const = 0;
+
+   protected:
+    OccupancyMap(const OccupancyMap&) = default;
+    OccupancyMap& operator=(const OccupancyMap&) = default;
+
+   private:
+    CellGeometry<Dim> geometry_;
+};
+
+/// Counts and bounds of the known cells.
+template <int Dim>
+struct MapSummary {
+    std::uint64_t known = 0, occupied = 0, free = 0;
+    Cell<Dim> lowest{}, highest{};  ///< inclusive cell bounds; valid if known > 0
+};
+template <int Dim>
+MapSummary<Dim> summarize(const OccupancyMap<Dim>& map, const SensorModel& model);
+
+/// 32 hex digits that depend on resolution, dimension, the set of known cells
+/// and the bits of their values, and on nothing else (not on storage type or
+/// insertion order).
+template <int Dim>
+std::string contentDigest(const OccupancyMap<Dim>& map);
+
+extern template class OccupancyMap<2>;
+extern template class OccupancyMap<3>;
+
+}  // namespace superray

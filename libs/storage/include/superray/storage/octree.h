@@ -1,0 +1,42 @@
+#pragma once
+/// \file octree.h
+/// Storage in an octomap::OcTree, updated a block at a time.
+
+#include <superray/storage/occupancy_map.h>
+
+namespace octomap {
+class OcTree;
+}
+
+namespace superray {
+
+class Octree final : public OccupancyMap<3> {
+   public:
+    explicit Octree(const CellGeometry<3>& geometry);
+    Octree(const Octree&);
+    ~Octree() override;
+
+    /// The tree itself: inner nodes up to date (maximum of the children) and
+    /// pruned, as OctoMap keeps them. Its sensor-model members follow the last
+    /// apply(), so isNodeOccupied() agrees with the map.
+    const octomap::OcTree& tree() const;
+
+    std::unique_ptr<OccupancyMap<3>> clone() const override;
+    std::unique_ptr<OccupancyMap<3>> emptyLike(const CellGeometry<3>& geometry) const override;
+    using OccupancyMap<3>::apply;
+    void apply(const UpdateBatch<3>& batch, const SensorModel& model, UpdatePolicy policy) override;
+    std::optional<float> logOdds(const Cell<3>& cell) const override;
+    void setLogOdds(const Cell<3>& cell, float value) override;
+    void setBlock(const BlockView<3>& block) override;
+    void forEachBlock(const BlockVisitor& visit) const override;
+    void clear() override;
+    bool empty() const override;
+    std::size_t memoryBytes() const override;
+    const BlockMask<3>* saturatedFree(const BlockKey<3>& key, float lowerClamp) const override;
+
+   private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace superray

@@ -1,0 +1,33 @@
+#pragma once
+/// \file quadtree.h
+/// 2D storage in a pruned quadtree: the octree's algorithms, four children.
+
+#include <superray/storage/occupancy_map.h>
+
+namespace superray {
+
+class Quadtree final : public OccupancyMap<2> {
+   public:
+    explicit Quadtree(const CellGeometry<2>& geometry);
+    Quadtree(const Quadtree&);
+    ~Quadtree() override;
+
+    std::unique_ptr<OccupancyMap<2>> clone() const override;
+    std::unique_ptr<OccupancyMap<2>> emptyLike(const CellGeometry<2>& geometry) const override;
+    using OccupancyMap<2>::apply;
+    void apply(const UpdateBatch<2>& batch, const SensorModel& model, UpdatePolicy policy) override;
+    std::optional<float> logOdds(const Cell<2>& cell) const override;
+    void setLogOdds(const Cell<2>& cell, float value) override;
+    void setBlock(const BlockView<2>& block) override;
+    void forEachBlock(const BlockVisitor& visit) const override;
+    void clear() override;
+    bool empty() const override;
+    std::size_t memoryBytes() const override;
+    const BlockMask<2>* saturatedFree(const BlockKey<2>& key, float lowerClamp) const override;
+
+   private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace superray

@@ -1,0 +1,17 @@
+# find_package(superray) support: targets superray::core, ::storage, ::maps.
+include(CMakePackageConfigHelpers)
+set(superray_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/superray)
+
+configure_package_config_file(
+  ${CMAKE_CURRENT_LIST_DIR}/superray-config.cmake.in
+  ${CMAKE_CURRENT_BINARY_DIR}/superray-config.cmake
+  INSTALL_DESTINATION ${superray_cmake_dir})
+write_basic_package_version_file(
+  ${CMAKE_CURRENT_BINARY_DIR}/superray-config-version.cmake
+  COMPATIBILITY SameMinorVersion)
+install(EXPORT superray-targets NAMESPACE superray:: DESTINATION ${superray_cmake_dir})
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/superray-config.cmake
+              ${CMAKE_CURRENT_BINARY_DIR}/superray-config-version.cmake
+        DESTINATION ${superray_cmake_dir})
+install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/share/config_files/
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/superray/config_files)

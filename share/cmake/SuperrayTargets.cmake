@@ -1,0 +1,37 @@
+# Shared settings of this project's targets: strict warnings and bit-exact
+# floating point, both PRIVATE so that users' builds are untouched.
+
+function(superray_target_settings target)
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF
+                                             POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(
+    ${target}
+    PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor
+            -Woverloaded-virtual
+            # Same bits from every instruction set: no silent fused multiply-add.
+            -ffp-contract=off)
+  if(SUPERRAY_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+endfunction()
+
+# superray_add_library(<name> SOURCES ...): libsuperray-<name>, superray::<name>.
+function(superray_add_library name)
+  cmake_parse_arguments(arg "" "TYPE" "SOURCES" ${ARGN})
+  if(NOT arg_TYPE)
+    set(arg_TYPE STATIC)
+  endif()
+  set(target superray-${name})
+  add_library(${target} ${arg_TYPE} ${arg_SOURCES})
+  add_library(superray::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(
+    ${target} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  superray_target_settings(${target})
+  install(TARGETS ${target} EXPORT superray-targets
+          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+endfunction()
