@@ -19,7 +19,7 @@ inline constexpr int kBlockCells = 1 << (kBlockBits * Dim);
 
 /// Index of a block: the cell index divided by kBlockEdge, rounded down.
 template <int Dim>
-using BlockKey = std::array<std::int32_t, Dim>;
+using BlockKey = Cell<Dim>;
 
 template <int Dim>
 constexpr BlockKey<Dim> blockOf(const Cell<Dim>& c) {
@@ -70,7 +70,9 @@ struct BlockMask {
         for (auto w : words) n += __builtin_popcountll(w);
         return n;
     }
-    friend bool operator==(const BlockMask& a, const BlockMask& b) { return a.words == b.words; }
+    friend bool operator==(const BlockMask& a, const BlockMask& b) {
+        return a.words == b.words;
+    }
     friend bool operator!=(const BlockMask& a, const BlockMask& b) { return !(a == b); }
 };
 

@@ -16,7 +16,7 @@ using Point = Eigen::Matrix<double, Dim, 1>;
 
 /// Integer cell index per axis; cell i covers [i, i+1) * resolution.
 template <int Dim>
-using Cell = std::array<std::int32_t, Dim>;
+using Cell = std::array<std::int32_t, static_cast<std::size_t>(Dim)>;
 
 /// Cells are addressable in [-kCellLimit, kCellLimit) per axis: OctoMap's
 /// 16-bit key range, shared by every storage type so that results are equal.
@@ -25,7 +25,7 @@ inline constexpr std::int32_t kCellLimit = 32768;
 /// Grid geometry: a resolution and the cell of a point (design rule 1).
 template <int Dim>
 class CellGeometry {
-   public:
+ public:
     /// \param resolution cell edge [m]
     /// \throws std::invalid_argument unless it is finite and > 0
     explicit CellGeometry(double resolution);
@@ -68,7 +68,7 @@ class CellGeometry {
         return p;
     }
 
-   private:
+ private:
     double resolution_;
     double inverse_;
 };

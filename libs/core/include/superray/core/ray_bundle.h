@@ -35,7 +35,8 @@ struct SkippedPoints {
 /// Limits on the distance from ray origin to end point [m].
 struct RangeLimits {
     double minimum = 0;  ///< nearer returns are skipped (and counted)
-    double maximum = std::numeric_limits<double>::infinity();  ///< farther ones become open rays
+    double maximum =
+        std::numeric_limits<double>::infinity();  ///< farther ones become open rays
     /// \throws std::invalid_argument unless 0 <= minimum < maximum
     void validate() const;
 };
@@ -43,7 +44,7 @@ struct RangeLimits {
 /// Rays of one scan. All have one origin unless given per ray (de-skewing).
 template <int Dim>
 class RayBundle {
-   public:
+ public:
     /// \param limits applied as points are added
     /// \throws std::invalid_argument if the origin is not addressable or the
     /// limits are not valid
@@ -72,7 +73,7 @@ class RayBundle {
     const Point<Dim>& commonOrigin() const { return origin_; }
     const SkippedPoints& skipped() const { return skipped_; }
 
-   private:
+ private:
     void addRay(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind);
 
     CellGeometry<Dim> geometry_;

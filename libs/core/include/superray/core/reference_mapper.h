@@ -18,7 +18,7 @@ CellCountMap<Dim> countCells(const RayBundle<Dim>& rays);
 /// A map as simple as it can be: ordered cells and their log-odds.
 template <int Dim>
 class ReferenceMapper {
-   public:
+ public:
     explicit ReferenceMapper(const SensorModel& model,
                              UpdatePolicy policy = UpdatePolicy::everyRay)
         : model_(model), policy_(policy) {}
@@ -26,7 +26,7 @@ class ReferenceMapper {
     void insert(const RayBundle<Dim>& rays);
     const std::map<Cell<Dim>, float>& cells() const { return cells_; }
 
-   private:
+ private:
     SensorModel model_;
     UpdatePolicy policy_;
     std::map<Cell<Dim>, float> cells_;

@@ -16,12 +16,12 @@ namespace superray {
 
 /// How the batch is computed. All give the same map, bit for bit.
 enum class Method : std::uint8_t {
-    reference,   ///< one ray, one cell at a time, into a hash map (the oracle)
-    perRay,      ///< every ray walked into the batch
-    superRays,   ///< rays grouped into super rays first (paper Sec. IV-A)
-    culling,     ///< walks end at the culling region (paper Sec. IV-B)
-    full,        ///< super rays and culling region
-    automatic    ///< chosen by measurement per scan ("auto")
+    reference,  ///< one ray, one cell at a time, into a hash map (the oracle)
+    perRay,     ///< every ray walked into the batch
+    superRays,  ///< rays grouped into super rays first (paper Sec. IV-A)
+    culling,    ///< walks end at the culling region (paper Sec. IV-B)
+    full,       ///< super rays and culling region
+    automatic   ///< chosen by measurement per scan ("auto")
 };
 Method methodFromString(const std::string& name);  ///< \throws std::invalid_argument
 const char* toString(Method method);
@@ -53,7 +53,7 @@ struct ScanStatistics {
 /// What the engine asks of a map: which cells are saturated free.
 template <int Dim>
 class SaturationSource {
-   public:
+ public:
     virtual ~SaturationSource() = default;
     /// Cells of the block whose log-odds are at the lower clamp `lowerClamp`;
     /// nullptr if none. Valid until the map changes.
@@ -72,7 +72,7 @@ using CellCountMap = std::unordered_map<Cell<Dim>, CellCounts, IndexHash>;
 /// per map; not thread-safe (it runs its own threads).
 template <int Dim>
 class ScanIntegrator {
-   public:
+ public:
     ScanIntegrator();
     ~ScanIntegrator();
     ScanIntegrator(ScanIntegrator&&) noexcept;
@@ -93,7 +93,7 @@ class ScanIntegrator {
     /// Statistics of the last integrate().
     const ScanStatistics& statistics() const;
 
-   private:
+ private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

@@ -24,7 +24,7 @@ struct SensorProbabilities {
 
 /// Validated log-odds, in float32 as every map stores them.
 class SensorModel {
-   public:
+ public:
     SensorModel() : SensorModel(SensorProbabilities{}) {}
 
     /// \throws std::invalid_argument naming the option, its value and the rule:
@@ -33,10 +33,10 @@ class SensorModel {
     explicit SensorModel(const SensorProbabilities& p);
 
     const SensorProbabilities& probabilities() const { return probabilities_; }
-    float hit() const { return hit_; }    ///< l_hit > 0
-    float miss() const { return miss_; }  ///< l_miss < 0
-    float min() const { return min_; }    ///< l_min, the lower clamp
-    float max() const { return max_; }    ///< l_max, the upper clamp
+    float hit() const { return hit_; }            ///< l_hit > 0
+    float miss() const { return miss_; }          ///< l_miss < 0
+    float min() const { return min_; }            ///< l_min, the lower clamp
+    float max() const { return max_; }            ///< l_max, the upper clamp
     float occupied() const { return occupied_; }  ///< occupied if L >= this
 
     /// Fewest misses that take any value to l_min: more change nothing.
@@ -63,7 +63,7 @@ class SensorModel {
         return value;
     }
 
-   private:
+ private:
     SensorProbabilities probabilities_;
     float hit_, miss_, min_, max_, occupied_;
     std::uint32_t missesToSaturate_, hitsToSaturate_;
@@ -74,7 +74,8 @@ float logOddsOf(double probability);
 /// Inverse of logOddsOf.
 double probabilityOf(float logOdds);
 
-UpdatePolicy updatePolicyFromString(const std::string& name);  ///< \throws std::invalid_argument
+UpdatePolicy updatePolicyFromString(
+    const std::string& name);  ///< \throws std::invalid_argument
 const char* toString(UpdatePolicy policy);
 
 }  // namespace superray

@@ -16,7 +16,7 @@ namespace superray {
 /// (ScanIntegrator counts exactly by another way where a model needs more.)
 template <int Dim>
 class UpdateBatch {
-   public:
+ public:
     static constexpr int kCells = kBlockCells<Dim>;
     static constexpr std::uint32_t kMaxCount = 255;
 
@@ -42,7 +42,7 @@ class UpdateBatch {
     void clear();
     std::size_t memoryBytes() const;
 
-   private:
+ private:
     static std::size_t slot(std::size_t block) { return block * kCells; }
     std::size_t hitSlot(std::size_t block) const {
         return static_cast<std::size_t>(hitSlots_[block]) * kCells;

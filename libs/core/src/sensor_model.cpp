@@ -1,0 +1,66 @@
+#include <superray/core/sensor_model.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace superray {
+namespace {
+
+void require(bool rule, const char* name, double value, const char* text) {
+    if (rule) return;
+    std::ostringstream message;
+    message << name << " = " << value << ": must satisfy " << text;
+    throw std::invalid_argument(message.str());
+}
+
+std::uint32_t stepsToCross(float span, float step) {
+    const double n = std::ceil(static_cast<double>(span) / static_cast<double>(step));
+    // One more than the quotient: float32 rounding cannot make it too few.
+    return n < 4e9 ? static_cast<std::uint32_t>(n) + 1 : 0xFFFFFFFFu;
+}
+
+}  // namespace
+
+SensorModel::SensorModel(const SensorProbabilities& p) : probabilities_(p) {
+    require(p.probHit > 0.5 && p.probHit < 1, "probHit", p.probHit, "0.5 < probHit < 1");
+    require(p.probMiss > 0 && p.probMiss < 0.5, "probMiss", p.probMiss, "0 < probMiss < 0.5");
+    require(p.clampMin > 0 && p.clampMin < 0.5, "clampingThresMin", p.clampMin,
+            "0 < clampingThresMin < 0.5");
+    require(p.clampMax > 0.5 && p.clampMax < 1, "clampingThresMax", p.clampMax,
+            "0.5 < clampingThresMax < 1");
+    require(p.occupancyThreshold > 0 && p.occupancyThreshold < 1, "occupancyThres",
+            p.occupancyThreshold, "0 < occupancyThres < 1");
+    hit_ = logOddsOf(p.probHit);
+    miss_ = logOddsOf(p.probMiss);
+    min_ = logOddsOf(p.clampMin);
+    max_ = logOddsOf(p.clampMax);
+    occupied_ = logOddsOf(p.occupancyThreshold);
+    require(hit_ > 0, "probHit", p.probHit, "log-odds > 0 in float32");
+    require(miss_ < 0, "probMiss", p.probMiss, "log-odds < 0 in float32");
+    require(min_ < 0, "clampingThresMin", p.clampMin, "log-odds < 0 in float32");
+    require(max_ > 0, "clampingThresMax", p.clampMax, "log-odds > 0 in float32");
+    missesToSaturate_ = stepsToCross(max_ - min_, -miss_);
+    hitsToSaturate_ = stepsToCross(max_ - min_, hit_);
+}
+
+float logOddsOf(double probability) {
+    return static_cast<float>(std::log(probability / (1.0 - probability)));
+}
+
+double probabilityOf(float logOdds) {
+    return 1.0 - 1.0 / (1.0 + std::exp(static_cast<double>(logOdds)));
+}
+
+UpdatePolicy updatePolicyFromString(const std::string& name) {
+    if (name == "everyRay") return UpdatePolicy::everyRay;
+    if (name == "oncePerScan") return UpdatePolicy::oncePerScan;
+    throw std::invalid_argument("policy = \"" + name + "\": must be everyRay or oncePerScan");
+}
+
+const char* toString(UpdatePolicy policy) {
+    return policy == UpdatePolicy::everyRay ? "everyRay" : "oncePerScan";
+}
+
+}  // namespace superray
