@@ -1,0 +1,197 @@
+#include <superray/core/block.h>
+#include <superray/core/ray_line.h>
+#include <superray/core/super_rays.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace superray {
+namespace {
+
+constexpr std::uint32_t kEmpty = 0xFFFFFFFFu;
+/// Segment number of a ray that is too close to a border.
+constexpr std::uint64_t kUncertain = ~std::uint64_t{0};
+/// Room for one segment number in Keyed::segments (three fit).
+constexpr int kSegmentBits = 21;
+
+}  // namespace
+
+template <int Dim>
+const std::vector<SuperRay>& SuperRayGrouper<Dim>::group(const RayBundle<Dim>& rays,
+                                                         std::uint32_t threshold) {
+    out_.clear();
+    const auto alone = [&](std::uint32_t ray) { out_.push_back({ray, 1}); };
+    if (!rays.hasCommonOrigin()) {
+        for (std::uint32_t i = 0; i < rays.size(); ++i) alone(i);
+        return out_;
+    }
+    bucketByEndCell(rays);
+    for (std::size_t b = 0; b + 1 < bucketStart_.size(); ++b) {
+        const std::uint32_t* begin = sorted_.data() + bucketStart_[b];
+        const std::uint32_t* end = sorted_.data() + bucketStart_[b + 1];
+        if (end - begin < static_cast<std::ptrdiff_t>(threshold))
+            std::for_each(begin, end, alone);
+        else
+            groupEndCell(rays, begin, end);
+    }
+    return out_;
+}
+
+/// Counting sort of the rays by (end cell, kind), in order of first appearance.
+template <int Dim>
+void SuperRayGrouper<Dim>::bucketByEndCell(const RayBundle<Dim>& rays) {
+    const std::size_t n = rays.size();
+    std::size_t capacity = 64;
+    while (capacity < 2 * n) capacity *= 2;
+    table_.assign(capacity, kEmpty);
+    bucketOf_.resize(n);
+    endCells_.clear();
+    std::vector<RayEnd> kinds;
+    bucketStart_.assign(1, 0);
+
+    std::uint32_t previous = kEmpty;  // consecutive points often share a cell
+    for (std::size_t i = 0; i < n; ++i) {
+        const Cell<Dim> cell = rays.geometry().cellOf(rays.end(i));
+        const RayEnd kind = rays.kind(i);
+        const auto matches = [&](std::uint32_t b) {
+            return endCells_[b] == cell && kinds[b] == kind;
+        };
+        if (previous == kEmpty || !matches(previous)) {
+            std::size_t slot = IndexHash{}(cell) & (capacity - 1);
+            while (table_[slot] != kEmpty && !matches(table_[slot]))
+                slot = (slot + 1) & (capacity - 1);
+            if (table_[slot] == kEmpty) {
+                table_[slot] = static_cast<std::uint32_t>(endCells_.size());
+                endCells_.push_back(cell);
+                kinds.push_back(kind);
+                bucketStart_.push_back(0);
+            }
+            previous = table_[slot];
+        }
+        bucketOf_[i] = previous;
+        ++bucketStart_[previous + 1];
+    }
+    for (std::size_t b = 1; b < bucketStart_.size(); ++b)
+        bucketStart_[b] += bucketStart_[b - 1];
+    sorted_.resize(n);
+    std::vector<std::uint32_t> next(bucketStart_.begin(), bucketStart_.end() - 1);
+    for (std::size_t i = 0; i < n; ++i)
+        sorted_[next[bucketOf_[i]]++] = static_cast<std::uint32_t>(i);
+}
+
+template <int Dim>
+void SuperRayGrouper<Dim>::groupEndCell(const RayBundle<Dim>& rays, const std::uint32_t* begin,
+                                        const std::uint32_t* end) {
+    keyed_.clear();
+    for (const std::uint32_t* r = begin; r != end; ++r) keyed_.push_back({0, *r});
+    const Cell<Dim> endCell = rays.geometry().cellOf(rays.end(*begin));
+    for (int a = 0; a < Dim; ++a)
+        for (int b = a + 1; b < Dim; ++b) divideByMappingLine(rays, endCell, a, b);
+
+    std::sort(keyed_.begin(), keyed_.end(), [](const Keyed& x, const Keyed& y) {
+        return x.segments != y.segments ? x.segments < y.segments : x.ray < y.ray;
+    });
+    for (std::size_t i = 0; i < keyed_.size();) {
+        std::size_t j = i + 1;
+        if (keyed_[i].segments != kUncertain)
+            while (j < keyed_.size() && keyed_[j].segments == keyed_[i].segments) ++j;
+        out_.push_back({keyed_[i].ray, static_cast<std::uint32_t>(j - i)});
+        i = j;
+    }
+}
+
+/// Appends to every ray of keyed_ its segment on the mapping line of the plane
+/// (axisA, axisB).
+template <int Dim>
+void SuperRayGrouper<Dim>::divideByMappingLine(const RayBundle<Dim>& rays,
+                                               const Cell<Dim>& endCell, int axisA, int axisB) {
+    const CellGeometry<Dim>& geometry = rays.geometry();
+    const Cell<Dim> sensorCell = geometry.cellOf(rays.commonOrigin());
+    if (std::abs(endCell[axisA] - sensorCell[axisA]) <
+        std::abs(endCell[axisB] - sensorCell[axisB]))
+        std::swap(axisA, axisB);  // axisA: along which the rays cross more borders
+
+    // Mirrored so that all rays go up both axes; the cells are whole numbers.
+    const double signA = endCell[axisA] < sensorCell[axisA] ? -1 : 1;
+    const double signB = endCell[axisB] < sensorCell[axisB] ? -1 : 1;
+    const int crossedA = std::abs(endCell[axisA] - sensorCell[axisA]);
+    const int crossedB = std::abs(endCell[axisB] - sensorCell[axisB]);
+    const auto shift = [&](std::uint64_t& segments, std::uint64_t segment) {
+        if (segments == kUncertain || segment == kUncertain)
+            segments = kUncertain;
+        else
+            segments = segments << kSegmentBits | segment;
+    };
+    // Borders of one axis only: their order is the same for all rays.
+    if (crossedA == 0 || crossedB == 0) return;
+
+    // In cells, quantised as the digital line is: never on a border.
+    const auto mirrored = [&](const Point<Dim>& p, int axis, double sign) {
+        return sign * static_cast<double>(toUnits(geometry.scaled(p[axis]))) * 0x1p-31;
+    };
+    const double originA = mirrored(rays.commonOrigin(), axisA, signA);
+    const double originB = mirrored(rays.commonOrigin(), axisB, signB);
+    const auto firstBorder = [](double origin) { return std::floor(origin) + 1; };
+
+    slopes_.clear();
+    double lowest = HUGE_VAL, highest = -HUGE_VAL;
+    for (const Keyed& k : keyed_) {
+        const Point<Dim>& p = rays.end(k.ray);
+        const double slope =
+            (mirrored(p, axisB, signB) - originB) / (mirrored(p, axisA, signA) - originA);
+        slopes_.push_back(slope);
+        lowest = std::min(lowest, slope);
+        highest = std::max(highest, slope);
+    }
+    // Distance [cells] within which a ray passes a grid point uncertainly: the
+    // digital line lags by at most (slices + 2) 2^-31 in either coordinate, and
+    // doubles of at most 2^16 add far less.
+    int slices = 0;
+    for (int a = 0; a < Dim; ++a)
+        slices = std::max(slices, std::abs(endCell[a] - sensorCell[a]));
+    const double margin = (slices + 16) * 0x1p-28;
+
+    borders_.clear();
+    const double firstB = firstBorder(originB), lastB = firstB + crossedB - 1;
+    const double firstA = firstBorder(originA);
+    for (int i = 0; i < crossedA; ++i) {
+        const double distance = firstA + i - originA;  // along axis A, > 0
+        const double from = std::max(firstB, std::ceil(originB + distance * lowest - margin));
+        const double to = std::min(lastB, std::floor(originB + distance * highest + margin));
+        for (double j = from; j <= to; ++j) {
+            const double slope = (j - originB) / distance;
+            const double reach = margin * (1 + std::max(slope, 1.0)) / distance;
+            borders_.push_back({slope - reach, slope + reach});
+        }
+    }
+    if (borders_.size() >= (std::size_t{1} << kSegmentBits) - 1) {
+        for (Keyed& k : keyed_) k.segments = kUncertain;
+        return;
+    }
+    std::sort(borders_.begin(), borders_.end(),
+              [](const Border& x, const Border& y) { return x.from < y.from; });
+    std::size_t merged = 0;
+    for (const Border& b : borders_) {
+        if (merged > 0 && b.from <= borders_[merged - 1].to)
+            borders_[merged - 1].to = std::max(borders_[merged - 1].to, b.to);
+        else
+            borders_[merged++] = b;
+    }
+    borders_.resize(merged);
+
+    for (std::size_t r = 0; r < keyed_.size(); ++r) {
+        const double slope = slopes_[r];
+        const auto above =
+            std::upper_bound(borders_.begin(), borders_.end(), slope,
+                             [](double s, const Border& b) { return s < b.from; });
+        const bool uncertain = above != borders_.begin() && slope <= std::prev(above)->to;
+        shift(keyed_[r].segments,
+              uncertain ? kUncertain : static_cast<std::uint64_t>(above - borders_.begin()));
+    }
+}
+
+template class SuperRayGrouper<2>;
+template class SuperRayGrouper<3>;
+
+}  // namespace superray

@@ -1,0 +1,78 @@
+#pragma once
+// Ray walks into an update batch: one kernel per instruction set, equal cells.
+
+#include <superray/core/ray_line.h>
+#include <superray/core/traversal.h>
+#include <superray/core/update_batch.h>
+
+#include "block_directory.h"
+
+#include <vector>
+
+namespace superray {
+
+/// What one thread writes to. Kernels append addresses of free cells (offsets
+/// into the batch's miss counts) to `addresses`; flush() counts them.
+template <int Dim>
+struct WalkState {
+    BlockDirectory<Dim> directory;  // block -> 1 + batch block
+    UpdateBatch<Dim> batch;
+    std::vector<std::uint32_t> addresses;
+    std::uint64_t traversed = 0;
+
+    void reset(const BlockBox<Dim>& box) {
+        batch.clear();
+        directory.reset(box);
+        traversed = 0;
+    }
+    /// Batch block of a block, made on first use.
+    std::uint32_t blockNumber(const BlockKey<Dim>& key) {
+        const std::uint32_t n = directory.number(key);
+        return n != 0 ? n - 1 : makeBlock(key);
+    }
+    void hit(const Cell<Dim>& cell, std::uint32_t weight) {
+        std::uint8_t& h =
+            batch.hitsOf(blockNumber(blockOf<Dim>(cell)))[indexInBlock<Dim>(cell)];
+        h = saturatingAdd(h, weight);
+    }
+    /// Adds `weight` to every address and forgets them.
+    void flush(std::uint32_t weight) {
+        std::uint8_t* counts = batch.missArena();
+        traversed += addresses.size();
+        if (weight == 1) {
+            for (std::uint32_t a : addresses) {
+                const unsigned c = counts[a];
+                counts[a] = static_cast<std::uint8_t>(c + (c != 255));
+            }
+        } else {
+            for (std::uint32_t a : addresses) counts[a] = saturatingAdd(counts[a], weight);
+        }
+        addresses.clear();
+    }
+
+    static std::uint8_t saturatingAdd(std::uint8_t count, std::uint32_t weight) {
+        constexpr std::uint32_t kMax = UpdateBatch<Dim>::kMaxCount;
+        return static_cast<std::uint8_t>(weight > kMax - count ? kMax : count + weight);
+    }
+    std::uint32_t makeBlock(const BlockKey<Dim>& key) {
+        const std::uint32_t block = batch.addBlock(key);
+        directory.setNumber(key, block + 1);
+        return block;
+    }
+};
+
+/// Appends the free cells of a ray, from slice `firstSlice` on.
+template <int Dim>
+using WalkKernel = void (*)(WalkState<Dim>& state, const RayLine<Dim>& line,
+                            std::int32_t firstSlice);
+
+/// The portable kernel; also serves directories that are not dense.
+template <int Dim>
+void walkPortable(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t firstSlice);
+
+/// The fastest kernel of this processor. The environment variable
+/// SUPERRAY_INSTRUCTION_SET = portable | avx2 | avx512 asks for a lesser one.
+template <int Dim>
+WalkKernel<Dim> bestWalkKernel();
+
+}  // namespace superray

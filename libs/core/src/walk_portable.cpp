@@ -1,0 +1,31 @@
+#include "walk_kernel.h"
+
+namespace superray {
+
+template <int Dim>
+void walkPortable(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t firstSlice) {
+    BlockKey<Dim> current{};
+    std::uint32_t base = 0;
+    bool known = false;
+    forEachFreeCell(line, firstSlice, [&](const Cell<Dim>& cell) {
+        const BlockKey<Dim> key = blockOf<Dim>(cell);
+        if (!known || key != current) {
+            current = key;
+            known = true;
+            base = state.blockNumber(key) * static_cast<std::uint32_t>(kBlockCells<Dim>);
+        }
+        state.addresses.push_back(base + static_cast<std::uint32_t>(indexInBlock<Dim>(cell)));
+    });
+}
+
+template void walkPortable(WalkState<2>&, const RayLine<2>&, std::int32_t);
+template void walkPortable(WalkState<3>&, const RayLine<3>&, std::int32_t);
+
+template <int Dim>
+WalkKernel<Dim> bestWalkKernel() {
+    return walkPortable<Dim>;
+}
+template WalkKernel<2> bestWalkKernel();
+template WalkKernel<3> bestWalkKernel();
+
+}  // namespace superray
