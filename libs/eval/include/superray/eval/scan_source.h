@@ -1,0 +1,95 @@
+#pragma once
+/// \file scan_source.h
+/// Recorded scans with the robot's pose, from any of the formats we read.
+
+#include <mrpt/core/Clock.h>
+#include <mrpt/obs/CObservation.h>
+#include <mrpt/poses/CPose3D.h>
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace superray {
+
+/// One observation of a range sensor, and where the robot was.
+struct Scan {
+    mrpt::Clock::time_point timestamp;  ///< mrpt::Clock::time_point() if unknown
+    mrpt::poses::CPose3D T_map_robot;
+    mrpt::obs::CObservation::Ptr observation;
+};
+
+/// Where robot poses come from.
+enum class PoseOrigin : std::uint8_t {
+    input,  ///< the input itself
+    file,   ///< ScanSourceOptions::posesFile, by time
+    fixed   ///< the robot stays at the map's origin: one scan, or a fixed sensor
+};
+
+/// What to do with an input that ends in the middle of an object.
+enum class Truncation : std::uint8_t {
+    error,  ///< refuse the input (before any scan is delivered)
+    accept  ///< deliver the scans before the break
+};
+
+struct ScanSourceOptions {
+    PoseOrigin poses = PoseOrigin::input;
+    std::string posesFile;    ///< TUM or MRPT text, see Trajectory::load()
+    std::string sensorLabel;  ///< only observations with this label; empty: all
+    Truncation truncation = Truncation::error;
+    /// Deliver at most so many scans.
+    std::uint64_t maxScans = std::numeric_limits<std::uint64_t>::max();
+};
+
+/// Observations that did not become scans, and why.
+struct SkippedObservations {
+    std::uint64_t otherLabel = 0;   ///< range observations of another label
+    std::uint64_t withoutPose = 0;  ///< outside the time range of the poses
+};
+
+/// A stream of scans. Inputs are read one scan at a time where the format
+/// allows it (all but .simplemap).
+///
+/// Use sources one after the other: MRPT has one folder, process-wide, for
+/// externally stored observations, and each source sets it to its own.
+class ScanSource {
+ public:
+    virtual ~ScanSource() = default;
+
+    /// The next scan; nothing at the end.
+    /// \throws InputError
+    virtual std::optional<Scan> next() = 0;
+
+    /// Scans that next() will deliver in all (known from a first pass).
+    virtual std::uint64_t total() const = 0;
+
+    virtual SkippedObservations skipped() const = 0;
+
+    /// A break in the input that Truncation::accept let pass; else empty.
+    virtual std::string warning() const { return {}; }
+};
+
+/// Opens an input by its extension or contents:
+///
+///  - `.rawlog`: observations, or action/observation pairs; gzip or plain.
+///    Robot poses are, by preference, CObservationRobotPose by time,
+///    the sum of the actions' mean increments, or CObservationOdometry by time
+///    (up to 50 ms outside their range). Externally stored observations are
+///    looked for in `<name>_Images` beside the rawlog.
+///  - `.simplemap`, `.simplemap.gz`: mean pose of each keyframe.
+///  - `.graph`: OctoMap's ScanGraph; becomes CObservationPointCloud at the
+///    node's pose.
+///  - a folder of the KITTI odometry benchmark: `velodyne/*.bin`, `calib.txt`
+///    (row `Tr`), `poses.txt` or `poses/NN.txt` here or two levels up (NN: the
+///    folder's name), `times.txt` if there is one. The robot frame is the
+///    Velodyne; the map frame is the first camera frame turned so that x is
+///    forward, y left and z up.
+///
+/// \throws InputError: unreadable, truncated, no scans, no poses, no scan that
+///         has a pose
+std::unique_ptr<ScanSource> openScanSource(const std::string& path,
+                                           const ScanSourceOptions& options = {});
+
+}  // namespace superray

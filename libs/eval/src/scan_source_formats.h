@@ -1,0 +1,53 @@
+#pragma once
+/// \file scan_source_formats.h
+/// What the readers of the single formats share.
+
+#include <superray/eval/scan_source.h>
+#include <superray/eval/trajectory.h>
+
+#include <filesystem>
+
+namespace superray {
+
+std::unique_ptr<ScanSource> openRawlog(const std::string& path, const ScanSourceOptions&);
+std::unique_ptr<ScanSource> openSimpleMap(const std::string& path, const ScanSourceOptions&);
+std::unique_ptr<ScanSource> openScanGraph(const std::string& path, const ScanSourceOptions&);
+std::unique_ptr<ScanSource> openKitti(const std::filesystem::path& folder,
+                                      const ScanSourceOptions&);
+
+/// True for the observations that become rays: laser, depth and point scans.
+bool isRangeObservation(const mrpt::obs::CObservation& observation);
+
+/// True if a range observation is wanted; counts it as skipped if it is not.
+bool hasWantedLabel(const mrpt::obs::CObservation& observation,
+                    const ScanSourceOptions& options, SkippedObservations& skipped);
+
+/// Robot poses as the options ask for: replaces what the input says.
+class PoseLookup {
+ public:
+    /// \throws InputError if the poses file cannot be used
+    explicit PoseLookup(const ScanSourceOptions& options);
+
+    bool usesInput() const { return origin_ == PoseOrigin::input; }
+
+    /// The robot pose for a scan.
+    /// \param fromInput what the input itself says
+    std::optional<mrpt::poses::CPose3D> pose(
+        Trajectory::Time time, const std::optional<mrpt::poses::CPose3D>& fromInput) const;
+
+    /// The error of an input of which no scan has a pose.
+    [[noreturn]] void throwNoScanHasPose(const std::string& path, Trajectory::Time firstScan,
+                                         Trajectory::Time lastScan,
+                                         const Trajectory& inputPoses) const;
+
+ private:
+    PoseOrigin origin_;
+    std::string file_;
+    Trajectory trajectory_;
+};
+
+/// The error of an input without scans, naming the label that was asked for.
+[[noreturn]] void throwNoScans(const std::string& path, const ScanSourceOptions& options,
+                               const SkippedObservations& skipped);
+
+}  // namespace superray

@@ -1,0 +1,18 @@
+#pragma once
+/// \file text_numbers.h
+/// Numbers of a line of text, whatever the locale.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace superray {
+
+/// The numbers of a line, separated by blanks; nothing if any word is not
+/// entirely a finite number.
+std::optional<std::vector<double>> parseNumbers(const std::string& line);
+
+/// True for lines without data: empty, blank, or starting with # or %.
+bool isCommentLine(const std::string& line);
+
+}  // namespace superray
