@@ -15,6 +15,7 @@ class BlockGrid final : public OccupancyMap<Dim> {
 
     std::unique_ptr<OccupancyMap<Dim>> clone() const override;
     std::unique_ptr<OccupancyMap<Dim>> emptyLike(const CellGeometry<Dim>& geometry) const override;
+    void swapContents(OccupancyMap<Dim>& other) override;
     using OccupancyMap<Dim>::apply;
     void apply(const UpdateBatch<Dim>& batch, const SensorModel& model,
                UpdatePolicy policy) override;

@@ -42,8 +42,15 @@ class OccupancyMap : public SaturationSource<Dim> {
     /// An empty map of the same type.
     virtual std::unique_ptr<OccupancyMap> emptyLike(const CellGeometry<Dim>& geometry) const = 0;
 
+    /// Exchanges the contents with a map of the same type.
+    /// \throws std::bad_cast if the types differ, std::invalid_argument if the
+    /// resolutions differ
+    virtual void swapContents(OccupancyMap& other) = 0;
+
     /// Applies a scan (design rules 4 and 5): for every touched cell
     /// value = model.updated(value or 0, misses, hits, policy), bit for bit.
+    /// \throws std::out_of_range if a block is not addressable (kCellLimit);
+    /// nothing is applied then
     virtual void apply(const UpdateBatch<Dim>& batch, const SensorModel& model,
                        UpdatePolicy policy) = 0;
 
@@ -52,9 +59,13 @@ class OccupancyMap : public SaturationSource<Dim> {
 
     /// Log-odds of a cell; nothing if unknown.
     virtual std::optional<float> logOdds(const Cell<Dim>& cell) const = 0;
-    /// Makes a cell known with this value.
+    /// Makes a cell known with this value (-0 is stored as +0, so that equal
+    /// values have equal bits).
+    /// \throws std::out_of_range if the cell is not addressable (kCellLimit),
+    /// std::invalid_argument if the value is not finite
     virtual void setLogOdds(const Cell<Dim>& cell, float value) = 0;
-    /// Overwrites the known cells of a block (loading a file, merging).
+    /// Sets the cells that `block` knows and leaves the others alone (loading a
+    /// file, merging). \throws as setLogOdds(), and changes nothing then
     virtual void setBlock(const BlockView<Dim>& block) = 0;
 
     /// Visits every block with a known cell, in unspecified order. Uniform

@@ -23,6 +23,7 @@ class Octree final : public OccupancyMap<3> {
 
     std::unique_ptr<OccupancyMap<3>> clone() const override;
     std::unique_ptr<OccupancyMap<3>> emptyLike(const CellGeometry<3>& geometry) const override;
+    void swapContents(OccupancyMap<3>& other) override;
     using OccupancyMap<3>::apply;
     void apply(const UpdateBatch<3>& batch, const SensorModel& model, UpdatePolicy policy) override;
     std::optional<float> logOdds(const Cell<3>& cell) const override;

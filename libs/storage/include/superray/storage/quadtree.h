@@ -14,6 +14,7 @@ class Quadtree final : public OccupancyMap<2> {
 
     std::unique_ptr<OccupancyMap<2>> clone() const override;
     std::unique_ptr<OccupancyMap<2>> emptyLike(const CellGeometry<2>& geometry) const override;
+    void swapContents(OccupancyMap<2>& other) override;
     using OccupancyMap<2>::apply;
     void apply(const UpdateBatch<2>& batch, const SensorModel& model, UpdatePolicy policy) override;
     std::optional<float> logOdds(const Cell<2>& cell) const override;

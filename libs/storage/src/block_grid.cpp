@@ -1,0 +1,252 @@
+#include <superray/storage/block_grid.h>
+
+#include "block_table.h"
+#include "chunked_pool.h"
+#include "fold_layers.h"
+#include "saturation_clamp.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace superray {
+namespace {
+
+/// Cells of a block that is not uniform.
+template <int Dim>
+struct Payload {
+    std::array<float, kBlockCells<Dim>> values{};  // 0 where not known
+    BlockMask<Dim> known;
+    BlockMask<Dim> saturated;  // known cells at the lower clamp
+};
+
+constexpr std::uint32_t kUniform = ~std::uint32_t{0};
+
+/// A block is uniform (all cells known, one value) or has a payload.
+struct Block {
+    std::uint32_t payload = kUniform;
+    float uniform = 0;
+};
+
+template <int Dim>
+bool isUniform(const Payload<Dim>& p) {
+    if (!p.known.all()) return false;
+    // Values have no NaN and no -0, so equal values have equal bits.
+    return std::all_of(p.values.begin() + 1, p.values.end(),
+                       [&](float v) { return v == p.values[0]; });
+}
+
+}  // namespace
+
+template <int Dim>
+struct BlockGrid<Dim>::Impl {
+    BlockTable<Dim> table;
+    std::vector<Block> blocks;
+    ChunkedPool<Payload<Dim>, 64> payloads;
+    SaturationClamp clamp;
+
+    const Block* find(const BlockKey<Dim>& key) const {
+        const std::uint32_t slot = table.find(key);
+        return slot == BlockTable<Dim>::kNone ? nullptr : &blocks[slot];
+    }
+    Block* find(const BlockKey<Dim>& key) {
+        return const_cast<Block*>(std::as_const(*this).find(key));
+    }
+    Block& findOrAdd(const BlockKey<Dim>& key) {
+        Block* block = find(key);
+        return block ? *block : add(key);
+    }
+
+    /// A new block without known cells. \pre there is none of this key
+    Block& add(const BlockKey<Dim>& key) {
+        // What may throw comes first, so that a failure leaves the map whole.
+        if (blocks.size() == blocks.capacity()) blocks.reserve(blocks.size() * 2 + 16);
+        const std::uint32_t payload = payloads.allocate();
+        payloads[payload] = Payload<Dim>{};
+        table.findOrInsert(key, static_cast<std::uint32_t>(blocks.size()));
+        blocks.push_back({payload, 0.0f});
+        return blocks.back();
+    }
+
+    /// Payload of a block, made from its uniform value if it has none.
+    Payload<Dim>& expand(Block& block) {
+        if (block.payload == kUniform) {
+            block.payload = payloads.allocate();
+            Payload<Dim>& p = payloads[block.payload];
+            p.values.fill(block.uniform);
+            p.known = fullMask<Dim>();
+            p.saturated = clamp.isAt(block.uniform) ? fullMask<Dim>() : BlockMask<Dim>{};
+        }
+        return payloads[block.payload];
+    }
+
+    /// Gives the payload back if the block has become uniform.
+    void collapse(Block& block) {
+        const Payload<Dim>& p = payloads[block.payload];
+        if (!isUniform(p)) return;
+        block.uniform = p.values[0];
+        payloads.release(block.payload);
+        block.payload = kUniform;
+    }
+
+    void rebuildSaturation(float lowerClamp) {
+        for (const Block& block : blocks) {
+            if (block.payload == kUniform) continue;
+            Payload<Dim>& p = payloads[block.payload];
+            p.saturated = {};
+            for (int i = 0; i < kBlockCells<Dim>; ++i)
+                if (p.known.test(i) && p.values[i] == lowerClamp) p.saturated.set(i);
+        }
+    }
+
+    void useClamp(float lowerClamp) {
+        clamp.use(lowerClamp, [&] { rebuildSaturation(lowerClamp); });
+    }
+
+    void set(Payload<Dim>& p, int index, float value) {
+        p.values[index] = value;
+        p.known.set(index);
+        if (clamp.isAt(value))
+            p.saturated.set(index);
+        else
+            p.saturated.reset(index);
+    }
+};
+
+template <int Dim>
+BlockGrid<Dim>::BlockGrid(const CellGeometry<Dim>& geometry)
+    : OccupancyMap<Dim>(geometry), impl_(std::make_unique<Impl>()) {}
+template <int Dim>
+BlockGrid<Dim>::BlockGrid(const BlockGrid& o)
+    : OccupancyMap<Dim>(o), impl_(std::make_unique<Impl>(*o.impl_)) {}
+template <int Dim>
+BlockGrid<Dim>::~BlockGrid() = default;
+
+template <int Dim>
+std::unique_ptr<OccupancyMap<Dim>> BlockGrid<Dim>::clone() const {
+    return std::make_unique<BlockGrid>(*this);
+}
+
+template <int Dim>
+std::unique_ptr<OccupancyMap<Dim>> BlockGrid<Dim>::emptyLike(
+    const CellGeometry<Dim>& geometry) const {
+    return std::make_unique<BlockGrid>(geometry);
+}
+
+template <int Dim>
+void BlockGrid<Dim>::swapContents(OccupancyMap<Dim>& other) {
+    auto& o = dynamic_cast<BlockGrid&>(other);
+    requireSameResolution(*this, o);
+    impl_.swap(o.impl_);
+}
+
+template <int Dim>
+void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& model,
+                           UpdatePolicy policy) {
+    for (std::size_t b = 0; b < batch.blockCount(); ++b)
+        requireAddressableBlock<Dim>(batch.key(b));
+    impl_->useClamp(model.min());
+
+    const FoldModel fold(model, policy);
+    const FoldLayers foldLayers = foldLayersForThisCpu();
+    for (std::size_t b = 0; b < batch.blockCount(); ++b) {
+        const std::uint8_t* hits = batch.hits(b);
+        Block* block = impl_->find(batch.key(b));
+        if (block && block->payload == kUniform && block->uniform == model.min() && !hits)
+            continue;  // saturated free: misses change nothing
+        // A new or a uniform block is only worth a payload if a cell is touched.
+        if (!block || block->payload == kUniform) {
+            if (!batch.touched(b).any()) continue;
+            if (!block) block = &impl_->add(batch.key(b));
+        }
+        Payload<Dim>& p = impl_->expand(*block);
+        foldLayers(fold,
+                   {p.values.data(), p.known.words.data(), p.saturated.words.data(),
+                    BlockMask<Dim>::kWords},
+                   batch.misses(b), hits);
+        impl_->collapse(*block);
+    }
+}
+
+template <int Dim>
+std::optional<float> BlockGrid<Dim>::logOdds(const Cell<Dim>& cell) const {
+    const Block* block = impl_->find(blockOf<Dim>(cell));
+    if (!block) return std::nullopt;
+    if (block->payload == kUniform) return block->uniform;
+    const Payload<Dim>& p = impl_->payloads[block->payload];
+    const int i = indexInBlock<Dim>(cell);
+    if (!p.known.test(i)) return std::nullopt;
+    return p.values[i];
+}
+
+template <int Dim>
+void BlockGrid<Dim>::setLogOdds(const Cell<Dim>& cell, float value) {
+    requireAddressableCell<Dim>(cell);
+    value = storedValue(value);
+    Block& block = impl_->findOrAdd(blockOf<Dim>(cell));
+    if (block.payload == kUniform && block.uniform == value) return;
+    impl_->set(impl_->expand(block), indexInBlock<Dim>(cell), value);
+    impl_->collapse(block);
+}
+
+template <int Dim>
+void BlockGrid<Dim>::setBlock(const BlockView<Dim>& view) {
+    requireAddressableBlock<Dim>(view.key);
+    std::array<float, kBlockCells<Dim>> values;
+    for (int i = 0; i < kBlockCells<Dim>; ++i)
+        if (view.known.test(i)) values[i] = storedValue(view.values[i]);
+    if (!view.known.any()) return;
+    Block& block = impl_->findOrAdd(view.key);
+    Payload<Dim>& p = impl_->expand(block);
+    for (int i = 0; i < kBlockCells<Dim>; ++i)
+        if (view.known.test(i)) impl_->set(p, i, values[i]);
+    impl_->collapse(block);
+}
+
+template <int Dim>
+void BlockGrid<Dim>::forEachBlock(const typename OccupancyMap<Dim>::BlockVisitor& visit) const {
+    std::array<float, kBlockCells<Dim>> uniform;
+    impl_->table.forEach([&](const BlockKey<Dim>& key, std::uint32_t slot) {
+        const Block& block = impl_->blocks[slot];
+        if (block.payload == kUniform) {
+            uniform.fill(block.uniform);
+            visit({key, uniform.data(), fullMask<Dim>()});
+        } else {
+            const Payload<Dim>& p = impl_->payloads[block.payload];
+            visit({key, p.values.data(), p.known});
+        }
+    });
+}
+
+template <int Dim>
+void BlockGrid<Dim>::clear() {
+    impl_ = std::make_unique<Impl>();
+}
+
+template <int Dim>
+bool BlockGrid<Dim>::empty() const {
+    return impl_->blocks.empty();
+}
+
+template <int Dim>
+std::size_t BlockGrid<Dim>::memoryBytes() const {
+    return sizeof(Impl) + impl_->table.memoryBytes() +
+           impl_->blocks.capacity() * sizeof(Block) + impl_->payloads.memoryBytes();
+}
+
+template <int Dim>
+const BlockMask<Dim>* BlockGrid<Dim>::saturatedFree(const BlockKey<Dim>& key,
+                                                    float lowerClamp) const {
+    static const BlockMask<Dim> full = fullMask<Dim>();
+    const Block* block = impl_->find(key);
+    if (!block) return nullptr;
+    if (block->payload == kUniform) return block->uniform == lowerClamp ? &full : nullptr;
+    impl_->useClamp(lowerClamp);
+    const BlockMask<Dim>& saturated = impl_->payloads[block->payload].saturated;
+    return saturated.any() ? &saturated : nullptr;
+}
+
+template class BlockGrid<2>;
+template class BlockGrid<3>;
+
+}  // namespace superray

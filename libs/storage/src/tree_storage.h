@@ -1,0 +1,167 @@
+#pragma once
+/// \file tree_storage.h
+/// All that Octree and Quadtree do, over the nodes of either.
+
+#include "saturated_blocks.h"
+#include "tree_update.h"
+
+#include <superray/storage/occupancy_map.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace superray {
+
+template <typename Nodes>
+class TreeStorage {
+ public:
+    static constexpr int Dim = Nodes::kDim;
+    using Node = typename Nodes::Node;
+
+    template <typename... Args>
+    explicit TreeStorage(const Args&... args) : nodes(args...) {}
+
+    Nodes nodes;
+    SaturatedBlocks<Dim> saturated;
+
+    void apply(const UpdateBatch<Dim>& batch, const SensorModel& model, UpdatePolicy policy) {
+        for (std::size_t b = 0; b < batch.blockCount(); ++b)
+            requireAddressableBlock<Dim>(batch.key(b));
+        useClamp(model.min());
+
+        // In the order of the tree, so that neighbours share the way down.
+        std::vector<std::pair<std::uint64_t, std::size_t>> blocks(batch.blockCount());
+        for (std::size_t b = 0; b < blocks.size(); ++b)
+            blocks[b] = {mortonOf<Dim>(batch.key(b)), b};
+        std::sort(blocks.begin(), blocks.end());
+
+        TreeWriter<Nodes> writer(nodes);
+        for (const auto& [morton, b] : blocks) {
+            const std::uint8_t* misses = batch.misses(b);
+            const std::uint8_t* hits = batch.hits(b);
+            const BlockMask<Dim>* before = saturated.find(batch.key(b));
+            if (before && before->all() && !hits) continue;  // misses change nothing
+            write(writer, batch.key(b), morton, batch.touched(b), before,
+                  [&](int i, float value) {
+                      return model.updated(value, misses[i], hits ? hits[i] : 0u, policy);
+                  });
+        }
+    }
+
+    std::optional<float> logOdds(const Cell<Dim>& cell) const {
+        if (!isAddressable(cell, kCellLimit)) return std::nullopt;
+        const std::uint64_t morton = mortonOf<Dim>(blockOf<Dim>(cell));
+        const int index = indexInBlock<Dim>(cell);
+        Node node = nodes.root();
+        for (int depth = 0; node != Nodes::kNull && nodes.hasChildren(node); ++depth)
+            node = nodes.child(node, depth < kBlockDepth
+                                         ? childTowards<Dim>(morton, depth)
+                                         : childOfCell(index, kTreeDepth - 1 - depth));
+        if (node == Nodes::kNull) return std::nullopt;
+        return nodes.value(node);
+    }
+
+    void setLogOdds(const Cell<Dim>& cell, float value) {
+        requireAddressableCell<Dim>(cell);
+        value = storedValue(value);
+        BlockMask<Dim> touched;
+        touched.set(indexInBlock<Dim>(cell));
+        write(blockOf<Dim>(cell), touched, [&](int, float) { return value; });
+    }
+
+    void setBlock(const BlockView<Dim>& view) {
+        requireAddressableBlock<Dim>(view.key);
+        std::array<float, kBlockCells<Dim>> values;
+        for (int i = 0; i < kBlockCells<Dim>; ++i)
+            if (view.known.test(i))
+                values[static_cast<std::size_t>(i)] = storedValue(view.values[i]);
+        write(view.key, view.known,
+              [&](int i, float) { return values[static_cast<std::size_t>(i)]; });
+    }
+
+    void forEachBlock(const typename OccupancyMap<Dim>::BlockVisitor& visit) const {
+        if (const Node root = nodes.root(); root != Nodes::kNull) visitNode(root, 0, 0, visit);
+    }
+
+    const BlockMask<Dim>* saturatedFree(const BlockKey<Dim>& key, float lowerClamp) {
+        useClamp(lowerClamp);
+        return saturated.find(key);
+    }
+
+ private:
+    using Values = std::array<float, kBlockCells<Dim>>;
+
+    static int childOfCell(int index, int level) {
+        int i = 0;
+        for (int a = 0; a < Dim; ++a) i |= ((index >> (level + kBlockBits * a)) & 1) << a;
+        return i;
+    }
+
+    template <typename Update>
+    void write(TreeWriter<Nodes>& writer, const BlockKey<Dim>& key, std::uint64_t morton,
+               const BlockMask<Dim>& touched, const BlockMask<Dim>* saturatedBefore,
+               const Update& update) {
+        BlockMask<Dim> mask = saturatedBefore ? *saturatedBefore : BlockMask<Dim>{};
+        if (writer.updateBlock(morton, touched, saturated.clamp.value(), mask, update))
+            saturated.put(key, mask);
+    }
+
+    template <typename Update>
+    void write(const BlockKey<Dim>& key, const BlockMask<Dim>& touched, const Update& update) {
+        TreeWriter<Nodes> writer(nodes);
+        write(writer, key, mortonOf<Dim>(key), touched, saturated.find(key), update);
+    }
+
+    void useClamp(float lowerClamp) {
+        saturated.clamp.use(lowerClamp, [&] {
+            saturated.clear();
+            forEachBlock([&](const BlockView<Dim>& block) {
+                BlockMask<Dim> mask;
+                for (int i = 0; i < kBlockCells<Dim>; ++i)
+                    if (block.known.test(i) && block.values[i] == lowerClamp) mask.set(i);
+                saturated.put(block.key, mask);
+            });
+        });
+    }
+
+    /// \param morton of the blocks below the node, its lower bits 0
+    void visitNode(Node node, int depth, std::uint64_t morton,
+                   const typename OccupancyMap<Dim>::BlockVisitor& visit) const {
+        const int blockBits = Dim * (kBlockDepth - depth);
+        Values values;
+        if (!nodes.hasChildren(node)) {
+            values.fill(nodes.value(node));
+            for (std::uint64_t b = 0; b < std::uint64_t{1} << blockBits; ++b)
+                visit({blockOfMorton<Dim>(morton + b), values.data(), fullMask<Dim>()});
+        } else if (depth == kBlockDepth) {
+            BlockMask<Dim> known;
+            readNode<kBlockBits>(node, 0, values, known);
+            visit({blockOfMorton<Dim>(morton), values.data(), known});
+        } else {
+            for (int i = 0; i < 1 << Dim; ++i)
+                if (const Node child = nodes.child(node, i); child != Nodes::kNull)
+                    visitNode(child, depth + 1,
+                              morton + (static_cast<std::uint64_t>(i) << (blockBits - Dim)),
+                              visit);
+        }
+    }
+
+    template <int level>
+    void readNode(Node node, int offset, Values& values, BlockMask<Dim>& known) const {
+        if (!nodes.hasChildren(node)) {
+            visitCube<Dim, level>(fullMask<Dim>(), offset, [&](int word, std::uint64_t bits) {
+                known.words[static_cast<std::size_t>(word)] |= bits;
+                for (; bits; bits &= bits - 1)
+                    values[static_cast<std::size_t>(64 * word + __builtin_ctzll(bits))] =
+                        nodes.value(node);
+            });
+        } else if constexpr (level > 0) {
+            for (int i = 0; i < 1 << Dim; ++i)
+                if (const Node child = nodes.child(node, i); child != Nodes::kNull)
+                    readNode<level - 1>(child, offset + childOffset<Dim>(i, level - 1), values,
+                                        known);
+        }
+    }
+};
+
+}  // namespace superray
