@@ -1,0 +1,223 @@
+// Every method, policy and number of threads against the reference mapper, bit
+// for bit, over scans that follow each other into the same map.
+
+#include <superray/core/reference_mapper.h>
+#include <superray/core/scan_integrator.h>
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "core/ray_generators.h"
+
+namespace superray {
+namespace {
+
+using test::Random;
+
+/// The smallest map that can feed the culling region.
+template <int Dim>
+class TestMap : public SaturationSource<Dim> {
+ public:
+    void apply(const UpdateBatch<Dim>& batch, const SensorModel& model, UpdatePolicy policy) {
+        for (std::size_t b = 0; b < batch.blockCount(); ++b) {
+            const BlockMask<Dim> touched = batch.touched(b);
+            for (int i = 0; i < kBlockCells<Dim>; ++i) {
+                if (!touched.test(i)) continue;
+                const unsigned hits = batch.hits(b) != nullptr ? batch.hits(b)[i] : 0;
+                float& v = cells.emplace(cellInBlock<Dim>(batch.key(b), i), 0.0f).first->second;
+                v = model.updated(v, batch.misses(b)[i], hits, policy);
+                BlockMask<Dim>& saturated = saturated_[batch.key(b)];
+                v <= model.min() ? saturated.set(i) : saturated.reset(i);
+            }
+        }
+    }
+    const BlockMask<Dim>* saturatedFree(const BlockKey<Dim>& key, float) const override {
+        const auto it = saturated_.find(key);
+        return it == saturated_.end() ? nullptr : &it->second;
+    }
+    std::map<Cell<Dim>, float> cells;
+
+ private:
+    std::unordered_map<BlockKey<Dim>, BlockMask<Dim>, IndexHash> saturated_;
+};
+
+template <int Dim>
+void expectSameBits(const std::map<Cell<Dim>, float>& got,
+                    const std::map<Cell<Dim>, float>& reference) {
+    ASSERT_EQ(got.size(), reference.size());
+    for (auto a = got.begin(), b = reference.begin(); a != got.end(); ++a, ++b) {
+        ASSERT_EQ(a->first, b->first);
+        ASSERT_EQ(std::memcmp(&a->second, &b->second, sizeof(float)), 0)
+            << a->second << " " << b->second;
+    }
+}
+
+constexpr Method kFastMethods[] = {Method::perRay, Method::superRays, Method::culling,
+                                   Method::full, Method::automatic};
+
+template <typename T>
+class Equivalence : public ::testing::Test {};
+using Dims = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(Equivalence, Dims);
+
+TYPED_TEST(Equivalence, AllMethodsGiveTheReferenceMap) {
+    constexpr int Dim = TypeParam::value;
+    const CellGeometry<Dim> g(0.1);
+    const SensorModel model;
+    constexpr int kScans = 8, kRays = 1500;
+    std::uint64_t rays = 0, culled = 0, merged = 0;
+    for (UpdatePolicy policy : {UpdatePolicy::everyRay, UpdatePolicy::oncePerScan}) {
+        for (test::Scene scene : test::kScenes) {
+            Random random(50 + static_cast<std::uint64_t>(scene));
+            std::vector<RayBundle<Dim>> scans;
+            for (int s = 0; s < kScans; ++s)
+                scans.push_back(test::makeScan<Dim>(scene, random, g, kRays));
+            ReferenceMapper<Dim> reference(model, policy);
+            for (const auto& scan : scans) {
+                reference.insert(scan);
+                rays += scan.size();
+            }
+            for (Method method : kFastMethods) {
+                for (unsigned threads : {1u, 2u, 3u}) {
+                    SCOPED_TRACE(std::string(toString(method)) + " " + toString(policy));
+                    IntegratorOptions options;
+                    options.method = method;
+                    options.policy = policy;
+                    options.threads = threads;
+                    ScanIntegrator<Dim> integrator;
+                    TestMap<Dim> map;
+                    for (const auto& scan : scans) {
+                        map.apply(integrator.integrate(scan, model, options, &map), model,
+                                  policy);
+                        const ScanStatistics& s = integrator.statistics();
+                        ASSERT_EQ(s.rays, scan.size());
+                        if (method == Method::culling) culled += s.raysCulled;
+                        if (method == Method::superRays) merged += s.rays - s.superRays;
+                    }
+                    expectSameBits<Dim>(map.cells, reference.cells());
+                    if (::testing::Test::HasFatalFailure()) return;
+                }
+            }
+        }
+    }
+    EXPECT_GE(rays, 100000u);
+    EXPECT_EQ(rays, 2u * 5 * kScans * kRays);
+    EXPECT_GT(culled, 10000u);
+    EXPECT_GT(merged, 1000u);
+}
+
+TYPED_TEST(Equivalence, OtherModelsAndThresholds) {
+    constexpr int Dim = TypeParam::value;
+    const CellGeometry<Dim> g(0.25);
+    int models = 0;
+    std::uint64_t rays = 0;
+    for (double miss : {0.02, 0.3, 0.49}) {
+        for (double clampMin : {0.001, 0.4}) {
+            ++models;
+            SensorProbabilities p;
+            p.probMiss = miss;
+            p.clampMin = clampMin;
+            p.clampMax = 0.9999;
+            const SensorModel model(p);
+            Random random(60);
+            ReferenceMapper<Dim> reference(model);
+            std::vector<TestMap<Dim>> maps(std::size(kFastMethods));
+            ScanIntegrator<Dim> integrator;
+            for (int s = 0; s < 4; ++s) {
+                const auto scan = test::makeScan<Dim>(test::kScenes[s % 5], random, g, 400);
+                rays += scan.size();
+                reference.insert(scan);
+                for (std::size_t m = 0; m < maps.size(); ++m) {
+                    IntegratorOptions options;
+                    options.method = kFastMethods[m];
+                    options.superRayThreshold = 1 + static_cast<std::uint32_t>(s);
+                    if (ScanIntegrator<Dim>::needsExactCounts(options, model)) continue;
+                    maps[m].apply(integrator.integrate(scan, model, options, &maps[m]), model,
+                                  UpdatePolicy::everyRay);
+                }
+            }
+            IntegratorOptions options;
+            options.method = Method::full;
+            if (ScanIntegrator<Dim>::needsExactCounts(options, model)) {
+                EXPECT_GT(model.missesToSaturate(), UpdateBatch<Dim>::kMaxCount);
+                continue;
+            }
+            for (const TestMap<Dim>& map : maps)
+                expectSameBits<Dim>(map.cells, reference.cells());
+        }
+    }
+    EXPECT_EQ(models, 6);
+    EXPECT_EQ(rays, 6u * 4 * 400);
+}
+
+TYPED_TEST(Equivalence, OriginsPerRay) {
+    constexpr int Dim = TypeParam::value;
+    const CellGeometry<Dim> g(0.1);
+    const SensorModel model;
+    Random random(70);
+    ReferenceMapper<Dim> reference(model);
+    std::vector<TestMap<Dim>> maps(std::size(kFastMethods));
+    std::uint64_t rays = 0;
+    for (int s = 0; s < 12; ++s) {
+        RayBundle<Dim> scan(g, Point<Dim>::Constant(0.05));
+        for (int i = 0; i < 800; ++i)
+            scan.add(Point<Dim>::Constant(0.05) + test::uniformPoint<Dim>(random, 0.06),
+                     test::uniformPoint<Dim>(random, 2), RayEnd::hit);
+        rays += scan.size();
+        reference.insert(scan);
+        for (std::size_t m = 0; m < maps.size(); ++m) {
+            IntegratorOptions options;
+            options.method = kFastMethods[m];
+            options.threads = 1 + static_cast<unsigned>(s % 2);
+            ScanIntegrator<Dim> integrator;
+            maps[m].apply(integrator.integrate(scan, model, options, &maps[m]), model,
+                          UpdatePolicy::everyRay);
+        }
+    }
+    EXPECT_EQ(rays, 12u * 800);
+    for (const TestMap<Dim>& map : maps) expectSameBits<Dim>(map.cells, reference.cells());
+}
+
+TYPED_TEST(Equivalence, HugeExtentsUseTheSparseDirectory) {
+    constexpr int Dim = TypeParam::value;
+    const CellGeometry<Dim> g(0.01);
+    const SensorModel model;
+    const double edge = kCellLimit * 0.01;
+    RayBundle<Dim> scan(g, Point<Dim>::Constant(-0.9 * edge));
+    scan.add(Point<Dim>::Constant(0.9 * edge));
+    Point<Dim> other = Point<Dim>::Constant(0.9 * edge);
+    other[0] = -0.9 * edge;
+    scan.add(other);
+    ReferenceMapper<Dim> reference(model);
+    reference.insert(scan);
+    IntegratorOptions options;
+    options.method = Method::full;
+    ScanIntegrator<Dim> integrator;
+    TestMap<Dim> map;
+    map.apply(integrator.integrate(scan, model, options, &map), model, UpdatePolicy::everyRay);
+    EXPECT_GT(reference.cells().size(), 2u * 58000);
+    expectSameBits<Dim>(map.cells, reference.cells());
+}
+
+TYPED_TEST(Equivalence, EmptyScanTouchesNothing) {
+    constexpr int Dim = TypeParam::value;
+    ScanIntegrator<Dim> integrator;
+    const RayBundle<Dim> scan(CellGeometry<Dim>(0.1), Point<Dim>::Zero());
+    EXPECT_EQ(integrator.integrate(scan, SensorModel(), {}, nullptr).blockCount(), 0u);
+}
+
+TEST(IntegratorOptions, AreValidated) {
+    IntegratorOptions o;
+    o.threads = 0;
+    EXPECT_THROW(o.validate(), std::invalid_argument);
+    o.threads = 1;
+    o.superRayThreshold = 0;
+    EXPECT_THROW(o.validate(), std::invalid_argument);
+    EXPECT_THROW(methodFromString("fast"), std::invalid_argument);
+    EXPECT_EQ(methodFromString("auto"), Method::automatic);
+    for (Method m : kFastMethods) EXPECT_EQ(methodFromString(toString(m)), m);
+}
+
+}  // namespace
+}  // namespace superray

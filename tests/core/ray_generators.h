@@ -1,0 +1,101 @@
+#pragma once
+// Seeded rays for equivalence tests: random ones, and those that break walks.
+
+#include <superray/core/ray_bundle.h>
+
+#include <random>
+#include <vector>
+
+namespace superray::test {
+
+using Random = std::mt19937_64;
+
+inline double uniform(Random& random, double from, double to) {
+    return std::uniform_real_distribution<double>(from, to)(random);
+}
+inline int integer(Random& random, int from, int to) {
+    return std::uniform_int_distribution<int>(from, to)(random);
+}
+
+template <int Dim>
+Point<Dim> uniformPoint(Random& random, double radius) {
+    Point<Dim> p;
+    for (int a = 0; a < Dim; ++a) p[a] = uniform(random, -radius, radius);
+    return p;
+}
+
+enum class Scene { uniform, clustered, gridAligned, nearby, wall };
+inline constexpr Scene kScenes[] = {Scene::uniform, Scene::clustered, Scene::gridAligned,
+                                    Scene::nearby, Scene::wall};
+
+/// A scan of `count` rays.
+/// - uniform: end points anywhere
+/// - clustered: many points in few cells (super rays)
+/// - gridAligned: sensor and end points on faces, edges and corners of cells;
+///   axis-aligned and diagonal rays, zero-length ones
+/// - nearby: end points in the sensor's cell and its neighbours
+/// - wall: a plane seen from far (a depth image), in image order
+template <int Dim>
+RayBundle<Dim> makeScan(Scene scene, Random& random, const CellGeometry<Dim>& g, int count) {
+    const double r = g.resolution();
+    const auto snapped = [&](Point<Dim> p) {  // to multiples of half a cell
+        for (int a = 0; a < Dim; ++a)
+            if (integer(random, 0, 3) > 0) p[a] = std::round(p[a] / r * 2) / 2 * r;
+        return p;
+    };
+    Point<Dim> origin = uniformPoint<Dim>(random, 3 * r);
+    if (scene == Scene::gridAligned) origin = snapped(origin);
+    RayBundle<Dim> rays(g, origin);
+
+    std::vector<Point<Dim>> centers;
+    for (int i = 0; i < 1 + count / 60; ++i)
+        centers.push_back(g.center(g.cellOf(uniformPoint<Dim>(random, 40 * r))));
+    const double wallAt = uniform(random, 5 * r, 30 * r);
+    const int wallAxis = integer(random, 0, Dim - 1);
+
+    for (int i = 0; i < count; ++i) {
+        Point<Dim> end;
+        switch (scene) {
+            case Scene::uniform:
+                end = uniformPoint<Dim>(random, 40 * r);
+                break;
+            case Scene::clustered:
+                end = centers[static_cast<std::size_t>(
+                          integer(random, 0, static_cast<int>(centers.size()) - 1))] +
+                      uniformPoint<Dim>(random, 0.5 * r);
+                break;
+            case Scene::gridAligned: {
+                end = snapped(uniformPoint<Dim>(random, 20 * r));
+                const int kind = integer(random, 0, 5);
+                if (kind == 0) {  // axis-aligned
+                    const int keep = integer(random, 0, Dim - 1);
+                    for (int a = 0; a < Dim; ++a)
+                        if (a != keep) end[a] = origin[a];
+                } else if (kind == 1) {  // diagonal
+                    const double d = integer(random, -15, 15) * r;
+                    for (int a = 0; a < Dim; ++a)
+                        end[a] = origin[a] + (integer(random, 0, 1) ? d : -d);
+                } else if (kind == 2) {  // diagonal in a plane
+                    end = origin;
+                    const double d = integer(random, -30, 30) * r / 2;
+                    end[0] += d;
+                    end[Dim - 1] += integer(random, 0, 1) ? d : -d;
+                } else if (kind == 3 && integer(random, 0, 3) == 0) {
+                    end = origin;  // zero length
+                }
+                break;
+            }
+            case Scene::nearby:
+                end = origin + uniformPoint<Dim>(random, 1.5 * r);
+                break;
+            case Scene::wall:
+                end = origin + uniformPoint<Dim>(random, 0.8 * wallAt);
+                end[wallAxis] = origin[wallAxis] + wallAt + uniform(random, 0, 0.1 * r);
+                break;
+        }
+        rays.add(end, integer(random, 0, 19) == 0 ? RayEnd::open : RayEnd::hit);
+    }
+    return rays;
+}
+
+}  // namespace superray::test

@@ -1,0 +1,92 @@
+#include <superray/core/sensor_model.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace superray {
+namespace {
+
+TEST(SensorModel, DefaultsAreThePapers) {
+    const SensorModel m;
+    EXPECT_NEAR(m.hit(), 0.85, 0.005);
+    EXPECT_NEAR(m.miss(), -0.4, 0.006);
+    EXPECT_NEAR(m.min(), -2, 0.001);
+    EXPECT_NEAR(m.max(), 3.5, 0.02);
+    EXPECT_EQ(m.occupied(), 0.0f);
+}
+
+TEST(SensorModel, MissesComeBeforeHitsAndBothClamp) {
+    const SensorModel m;
+    using P = UpdatePolicy;
+    EXPECT_EQ(m.updated(0, 1, 0, P::everyRay), m.miss());
+    EXPECT_EQ(m.updated(0, 3, 0, P::everyRay), 3.0f * m.miss());
+    EXPECT_EQ(m.updated(0, 100, 0, P::everyRay), m.min());
+    EXPECT_EQ(m.updated(0, 100, 1, P::everyRay), m.min() + m.hit());
+    EXPECT_EQ(m.updated(1, 0, 100, P::everyRay), m.max());
+    EXPECT_EQ(m.updated(1, 0, 0, P::everyRay), 1.0f);
+    // Once per scan: a hit cell is not missed.
+    EXPECT_EQ(m.updated(0, 100, 100, P::oncePerScan), m.hit());
+    EXPECT_EQ(m.updated(0, 100, 0, P::oncePerScan), m.miss());
+}
+
+TEST(SensorModel, MoreUpdatesThanToSaturateChangeNothing) {
+    int models = 0;
+    for (double miss : {0.01, 0.3, 0.4, 0.49, 0.499}) {
+        for (double hit : {0.51, 0.7, 0.97}) {
+            SensorProbabilities p;
+            p.probMiss = miss;
+            p.probHit = hit;
+            const SensorModel m(p);
+            const auto every = UpdatePolicy::everyRay;
+            EXPECT_EQ(m.updated(m.max(), m.missesToSaturate(), 0, every), m.min());
+            EXPECT_EQ(m.updated(m.min(), 0, m.hitsToSaturate(), every), m.max());
+            ++models;
+        }
+    }
+    EXPECT_EQ(models, 15);
+    EXPECT_LE(SensorModel().missesToSaturate(), 15u);
+}
+
+TEST(SensorModel, BadProbabilitiesAreNamed) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    struct Case {
+        double SensorProbabilities::*field;
+        double value;
+        const char* name;
+    };
+    const Case cases[] = {
+        {&SensorProbabilities::probHit, 0.5, "probHit"},
+        {&SensorProbabilities::probHit, 1.0, "probHit"},
+        {&SensorProbabilities::probHit, nan, "probHit"},
+        {&SensorProbabilities::probMiss, 0.5, "probMiss"},
+        {&SensorProbabilities::probMiss, 0.0, "probMiss"},
+        {&SensorProbabilities::probMiss, nan, "probMiss"},
+        {&SensorProbabilities::clampMin, 0.98, "clampingThresMin"},
+        {&SensorProbabilities::clampMin, 0.0, "clampingThresMin"},
+        {&SensorProbabilities::clampMax, 0.1, "clampingThresMax"},
+        {&SensorProbabilities::clampMax, 1.0, "clampingThresMax"},
+        {&SensorProbabilities::occupancyThreshold, 0.0, "occupancyThres"},
+        {&SensorProbabilities::occupancyThreshold, nan, "occupancyThres"},
+    };
+    for (const Case& c : cases) {
+        SensorProbabilities p;
+        p.*c.field = c.value;
+        try {
+            SensorModel m(p);
+            FAIL() << c.name << " " << c.value;
+        } catch (const std::invalid_argument& e) {
+            EXPECT_NE(std::string(e.what()).find(c.name), std::string::npos) << e.what();
+        }
+    }
+}
+
+TEST(SensorModel, PolicyNames) {
+    for (auto p : {UpdatePolicy::everyRay, UpdatePolicy::oncePerScan})
+        EXPECT_EQ(updatePolicyFromString(toString(p)), p);
+    EXPECT_THROW(updatePolicyFromString("sometimes"), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace superray
