@@ -1,3 +1,10 @@
 foreach(name cell sensor_model ray_bundle ray_line super_rays culling_region equivalence)
   superray_add_test(core_${name}_test SOURCES core/${name}_test.cpp LIBS superray::core)
 endforeach()
+
+# The same again with the lesser instruction sets (the run above uses the best).
+foreach(set portable avx2)
+  add_test(NAME core_equivalence_test_${set} COMMAND core_equivalence_test)
+  set_tests_properties(core_equivalence_test_${set}
+                       PROPERTIES ENVIRONMENT SUPERRAY_INSTRUCTION_SET=${set})
+endforeach()

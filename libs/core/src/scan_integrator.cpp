@@ -69,6 +69,7 @@ void walkRays(WalkState<Dim>& state, const RayBundle<Dim>& bundle, const SuperRa
             state.flush(weight);
             weight = s->weight;
         }
+        state.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
         if (region.empty() || line.startCell() != region.sensor()) {
             kernel(state, line, 0);
         } else {

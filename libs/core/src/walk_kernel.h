@@ -11,13 +11,36 @@
 
 namespace superray {
 
+/// Addresses of free cells waiting to be counted: offsets into miss counts.
+class AddressBuffer {
+ public:
+    /// Room for `n` more, and for a vector register beyond.
+    void reserveMore(std::size_t n) {
+        if (size_ + n + kSlack > storage_.size()) storage_.resize(2 * (size_ + n + kSlack));
+    }
+    /// \pre reserved
+    void push(std::uint32_t address) { storage_[size_++] = address; }
+    std::uint32_t* end() { return storage_.data() + size_; }
+    void setEnd(const std::uint32_t* end) {
+        size_ = static_cast<std::size_t>(end - storage_.data());
+    }
+    const std::uint32_t* begin() const { return storage_.data(); }
+    std::size_t size() const { return size_; }
+    void clear() { size_ = 0; }
+
+ private:
+    static constexpr std::size_t kSlack = 16;
+    std::vector<std::uint32_t> storage_;
+    std::size_t size_ = 0;
+};
+
 /// What one thread writes to. Kernels append addresses of free cells (offsets
 /// into the batch's miss counts) to `addresses`; flush() counts them.
 template <int Dim>
 struct WalkState {
     BlockDirectory<Dim> directory;  // block -> 1 + batch block
     UpdateBatch<Dim> batch;
-    std::vector<std::uint32_t> addresses;
+    AddressBuffer addresses;
     std::uint64_t traversed = 0;
 
     void reset(const BlockBox<Dim>& box) {
@@ -39,13 +62,15 @@ struct WalkState {
     void flush(std::uint32_t weight) {
         std::uint8_t* counts = batch.missArena();
         traversed += addresses.size();
+        const std::uint32_t* const end = addresses.end();
         if (weight == 1) {
-            for (std::uint32_t a : addresses) {
-                const unsigned c = counts[a];
-                counts[a] = static_cast<std::uint8_t>(c + (c != 255));
+            for (const std::uint32_t* a = addresses.begin(); a != end; ++a) {
+                const unsigned c = counts[*a];
+                counts[*a] = static_cast<std::uint8_t>(c + (c != 255));
             }
         } else {
-            for (std::uint32_t a : addresses) counts[a] = saturatingAdd(counts[a], weight);
+            for (const std::uint32_t* a = addresses.begin(); a != end; ++a)
+                counts[*a] = saturatingAdd(counts[*a], weight);
         }
         addresses.clear();
     }
@@ -62,6 +87,7 @@ struct WalkState {
 };
 
 /// Appends the free cells of a ray, from slice `firstSlice` on.
+/// \pre state.addresses.reserveMore(line.steps()) was called
 template <int Dim>
 using WalkKernel = void (*)(WalkState<Dim>& state, const RayLine<Dim>& line,
                             std::int32_t firstSlice);
@@ -69,6 +95,12 @@ using WalkKernel = void (*)(WalkState<Dim>& state, const RayLine<Dim>& line,
 /// The portable kernel; also serves directories that are not dense.
 template <int Dim>
 void walkPortable(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t firstSlice);
+
+/// 8 slices at once; need a dense directory and the processor for it.
+template <int Dim>
+void walkAvx2(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t firstSlice);
+template <int Dim>
+void walkAvx512(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t firstSlice);
 
 /// The fastest kernel of this processor. The environment variable
 /// SUPERRAY_INSTRUCTION_SET = portable | avx2 | avx512 asks for a lesser one.

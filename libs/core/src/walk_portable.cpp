@@ -14,18 +14,11 @@ void walkPortable(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t 
             known = true;
             base = state.blockNumber(key) * static_cast<std::uint32_t>(kBlockCells<Dim>);
         }
-        state.addresses.push_back(base + static_cast<std::uint32_t>(indexInBlock<Dim>(cell)));
+        state.addresses.push(base + static_cast<std::uint32_t>(indexInBlock<Dim>(cell)));
     });
 }
 
 template void walkPortable(WalkState<2>&, const RayLine<2>&, std::int32_t);
 template void walkPortable(WalkState<3>&, const RayLine<3>&, std::int32_t);
-
-template <int Dim>
-WalkKernel<Dim> bestWalkKernel() {
-    return walkPortable<Dim>;
-}
-template WalkKernel<2> bestWalkKernel();
-template WalkKernel<3> bestWalkKernel();
 
 }  // namespace superray

@@ -1,0 +1,84 @@
+#include "walk_kernel.h"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+
+#define SUPERRAY_TARGET __attribute__((target("avx2")))
+#define SUPERRAY_WALK walkAvx2
+
+namespace superray {
+namespace {
+namespace simd {
+
+struct Long8 {
+    __m256i low, high;
+};
+
+SUPERRAY_TARGET inline Long8 ramp(std::int64_t base, std::int64_t step) {
+    const __m256i start = _mm256_set1_epi64x(base);
+    return {
+        _mm256_add_epi64(start, _mm256_setr_epi64x(0, step, 2 * step, 3 * step)),
+        _mm256_add_epi64(start, _mm256_setr_epi64x(4 * step, 5 * step, 6 * step, 7 * step))};
+}
+SUPERRAY_TARGET inline Long8 add(Long8 a, Long8 b) {
+    return {_mm256_add_epi64(a.low, b.low), _mm256_add_epi64(a.high, b.high)};
+}
+SUPERRAY_TARGET inline Long8 subtract(Long8 a, Long8 b) {
+    return {_mm256_sub_epi64(a.low, b.low), _mm256_sub_epi64(a.high, b.high)};
+}
+/// The low halves of 8 int64, in order.
+SUPERRAY_TARGET inline __m256i narrow(__m256i low, __m256i high) {
+    const __m256 mixed =
+        _mm256_shuffle_ps(_mm256_castsi256_ps(low), _mm256_castsi256_ps(high), 0x88);
+    return _mm256_permute4x64_epi64(_mm256_castps_si256(mixed), 0xD8);
+}
+SUPERRAY_TARGET inline __m256i cells(Long8 a) {
+    // A logical shift will do: the sign is in the 32 bits that are kept.
+    return narrow(_mm256_srli_epi64(a.low, kUnitBits), _mm256_srli_epi64(a.high, kUnitBits));
+}
+SUPERRAY_TARGET inline __m256i distanceToBorder(__m256i units) {
+    return _mm256_sub_epi64(_mm256_set1_epi64x(kUnitsPerCell),
+                            _mm256_and_si256(units, _mm256_set1_epi64x(kUnitsPerCell - 1)));
+}
+SUPERRAY_TARGET inline int firstCrosses4(__m256i a, __m256i slopeA, __m256i b, __m256i slopeB) {
+    const __m256i left = _mm256_mul_epu32(distanceToBorder(a), slopeB);
+    const __m256i right = _mm256_mul_epu32(distanceToBorder(b), slopeA);
+    return _mm256_movemask_pd(_mm256_castsi256_pd(_mm256_cmpgt_epi64(right, left)));
+}
+/// Lanes in which axis a crosses its next border before axis b: distances to
+/// the border (at most 2^31) and slopes compare as exact products.
+SUPERRAY_TARGET inline int firstCrosses(Long8 a, Long8 slopeA, Long8 b, Long8 slopeB) {
+    return firstCrosses4(a.low, slopeA.low, b.low, slopeB.low) |
+           firstCrosses4(a.high, slopeA.high, b.high, slopeB.high) << 4;
+}
+SUPERRAY_TARGET inline __m256i expand(int mask) {
+    const __m256i bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    return _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(mask), bits), bits);
+}
+
+/// Per mask: the lanes in it, in order, as a permutation.
+struct CompressTable {
+    alignas(32) std::uint32_t lanes[256][8];
+    constexpr CompressTable() : lanes() {
+        for (unsigned mask = 0; mask < 256; ++mask) {
+            int n = 0;
+            for (unsigned lane = 0; lane < 8; ++lane)
+                if (mask >> lane & 1) lanes[mask][n++] = lane;
+        }
+    }
+};
+constexpr CompressTable kCompress;
+
+SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, int mask) {
+    const __m256i order =
+        _mm256_load_si256(reinterpret_cast<const __m256i*>(kCompress.lanes[mask]));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_permutevar8x32_epi32(v, order));
+    return out + __builtin_popcount(static_cast<unsigned>(mask));
+}
+
+}  // namespace simd
+}  // namespace
+}  // namespace superray
+
+#include "walk_vector.inc"
+#endif
