@@ -1,0 +1,134 @@
+#pragma once
+/// \file options.h
+/// Options of the maps: public members, .ini sections, validation.
+///
+/// Loading is strict: an unknown key or a bad value throws
+/// std::invalid_argument naming section, key, value and rule, and leaves the
+/// options as they were. Absent keys keep their values.
+
+#include <mrpt/config/CLoadableOptions.h>
+#include <superray/core/ray_bundle.h>
+#include <superray/core/scan_integrator.h>
+#include <superray/core/sensor_model.h>
+
+#include <cstdint>
+#include <limits>
+#include <string>
+
+namespace superray {
+
+/// Section `<map>_creationOpts`.
+struct TCreationOptions : public mrpt::config::CLoadableOptions {
+    double resolution = 0.10;  ///< cell edge [m], > 0
+    /// Native map file (.srmap) to start from; empty: an empty map. Its
+    /// resolution replaces `resolution`; its options are not used.
+    std::string load_from;
+    bool enableSaveAs3DObject = true;         ///< MRPT: visualisation on
+    bool enableObservationLikelihood = true;  ///< MRPT: likelihood on
+    bool enableObservationInsertion = true;   ///< MRPT: insertion on
+
+    void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
+                            const std::string& section) override;
+    void saveToConfigFile(mrpt::config::CConfigFileBase& target,
+                          const std::string& section) const override;
+    /// \throws std::invalid_argument naming the option, its value and the rule
+    void validate() const;
+};
+
+/// Section `<map>_insertOpts`. Names that COctoMap has mean what they mean there.
+struct TInsertionOptions : public mrpt::config::CLoadableOptions {
+    double maxrange = -1;  ///< [m] longer rays are cut and clear only; <= 0: no limit
+    double minrange = 0;   ///< [m] nearer returns are skipped
+    double probHit = 0.7;            ///< in (0.5, 1)
+    double probMiss = 0.4;           ///< in (0, 0.5)
+    double clampingThresMin = 0.1192;  ///< lowest probability of a cell, in (0, 0.5)
+    double clampingThresMax = 0.971;   ///< highest probability of a cell, in (0.5, 1)
+    double occupancyThres = 0.5;       ///< occupied from this probability on, in (0, 1)
+    UpdatePolicy policy = UpdatePolicy::everyRay;
+    Method method = Method::automatic;  ///< all give the same map
+    std::uint32_t superRayThreshold = 20;
+    std::uint32_t threads = 1;     ///< >= 1; the map does not depend on it
+    std::uint32_t decimation = 1;  ///< >= 1; use one of so many measurements
+    bool insertNoReturnRays = false;  ///< measurements without return clear space
+    double noReturnRange = 0;  ///< [m] length of such rays; <= 0: the sensor's maximum range
+    std::string sensorLabel;   ///< comma-separated labels to accept; empty: all
+    /// [m], map frame: only returns of 3D sensors with a height in
+    /// [heightBandMin, heightBandMax] are inserted. 2D scans always are.
+    double heightBandMin = -std::numeric_limits<double>::infinity();
+    double heightBandMax = std::numeric_limits<double>::infinity();
+
+    void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
+                            const std::string& section) override;
+    void saveToConfigFile(mrpt::config::CConfigFileBase& target,
+                          const std::string& section) const override;
+    /// \throws std::invalid_argument naming the option, its value and the rule
+    void validate() const;
+
+    // What the engine needs, each validated.
+    SensorModel sensorModel() const;
+    RangeLimits rangeLimits() const;
+    IntegratorOptions integratorOptions() const;
+    /// True if `label` is in sensorLabel, or that is empty.
+    bool acceptsSensor(const std::string& label) const;
+};
+
+/// Section `<map>_likelihoodOpts`: end-point model. A return scores
+/// -d^2 / (2 sigma^2), with d the distance from its end point to the nearest
+/// occupied cell, cut at maxDistance; the log-likelihood is the sum.
+struct TLikelihoodOptions : public mrpt::config::CLoadableOptions {
+    std::uint32_t decimation = 1;  ///< >= 1; use one of so many measurements
+    double sigma = 0.1;            ///< [m], > 0
+    double maxDistance = 0.3;      ///< [m], > 0; farther is as bad as this
+    /// In (0, 1]: factor for a return that ends in unknown space with nothing
+    /// occupied near it, where a hit has 1.
+    double unknownLikelihood = 0.1;
+
+    void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
+                            const std::string& section) override;
+    void saveToConfigFile(mrpt::config::CConfigFileBase& target,
+                          const std::string& section) const override;
+    /// \throws std::invalid_argument naming the option, its value and the rule
+    void validate() const;
+};
+
+enum class VoxelColour : std::uint8_t { height, occupancy };
+
+/// Section `<map>_renderOpts`.
+struct TRenderingOptions : public mrpt::config::CLoadableOptions {
+    bool generateGridLines = false;
+    bool generateOccupiedVoxels = true;
+    bool visibleOccupiedVoxels = true;
+    /// Off, unlike COctoMap: free cells are many and hide the others.
+    bool generateFreeVoxels = false;
+    bool visibleFreeVoxels = true;
+    VoxelColour colour = VoxelColour::height;
+
+    void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
+                            const std::string& section) override;
+    void saveToConfigFile(mrpt::config::CConfigFileBase& target,
+                          const std::string& section) const override;
+};
+
+/// All options of a map.
+struct TMapOptions {
+    TCreationOptions creation;
+    TInsertionOptions insertion;
+    TLikelihoodOptions likelihood;
+    TRenderingOptions rendering;
+
+    /// Sections `<prefix>_creationOpts`, `_insertOpts`, `_likelihoodOpts` and
+    /// `_renderOpts`; absent ones are left alone.
+    /// \throws std::invalid_argument also for any other section `<prefix>_...`
+    void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
+                            const std::string& prefix);
+
+    /// Sections [creationOpts], [insertOpts], ... with every option. Numbers
+    /// are written so that they read back to the same bits.
+    /// \throws std::invalid_argument if a text has a control character
+    std::string toText() const;
+    /// Inverse of toText(). Absent keys keep their values.
+    /// \throws std::invalid_argument for a text that toText() does not write
+    void fromText(const std::string& text);
+};
+
+}  // namespace superray

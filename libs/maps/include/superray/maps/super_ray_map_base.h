@@ -1,0 +1,132 @@
+#pragma once
+/// \file super_ray_map_base.h
+/// All of the MRPT maps; the classes themselves only add a name and a storage.
+
+#include <mrpt/maps/CMetricMap.h>
+#include <mrpt/math/TBoundingBox.h>
+#include <mrpt/opengl/opengl_frwds.h>
+#include <superray/core/scan_integrator.h>
+#include <superray/maps/mrpt_compat.h>
+#include <superray/maps/options.h>
+#include <superray/maps/super_ray_map_interface.h>
+#include <superray/storage/map_file.h>
+#include <superray/storage/occupancy_map.h>
+
+#include <memory>
+#include <string>
+
+namespace superray {
+
+/// An occupancy map in MRPT, updated by super rays and culling regions.
+///
+/// The public options may be changed at any time: they are validated and take
+/// effect at the next insertion. Errors are std::invalid_argument and leave the
+/// map untouched.
+template <int Dim>
+class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterface {
+   public:
+    TInsertionOptions insertionOptions;
+    TLikelihoodOptions likelihoodOptions;
+    TRenderingOptions renderingOptions;
+
+    const OccupancyMap<Dim>& storage() const { return *storage_; }
+    MapSummary<Dim> summary() const { return summarize(*storage_, sensorModel()); }
+    /// Inserts rays that the caller made. \throws std::invalid_argument if their
+    /// geometry has another resolution
+    void insertRays(const RayBundle<Dim>& rays);
+
+    // SuperRayMapInterface
+    int dimension() const override { return Dim; }
+    std::string shortClassName() const override;
+    double resolution() const override { return storage_->geometry().resolution(); }
+    void setResolution(double metres) override;
+    CellTotals cellTotals() const override;
+    std::optional<MetricBounds> metricBounds() const override;
+    std::size_t memoryBytes() const override { return storage_->memoryBytes(); }
+    std::string digest() const override { return contentDigest(*storage_); }
+    SensorModel sensorModel() const override { return insertionOptions.sensorModel(); }
+    const TInsertionReport& lastInsertion() const override { return last_; }
+    const TInsertionReport& totals() const override { return totals_; }
+    TMapOptions options() const override;
+    void setOptions(const TMapOptions& options) override;
+    void saveToFile(const std::string& path) const override;
+    void loadFromFile(const std::string& path) override;
+    void exportOctomap(const std::string& path) const override;
+    void exportPly(const std::string& path) const override;
+    void exportScene(const std::string& path) const override;
+    void exportPicture(const std::string& path) const override;
+
+    // CMetricMap
+    bool isEmpty() const override { return storage_->empty(); }
+    std::string asString() const override;
+    /// Occupied cells as COctoMapVoxels, which every MRPT viewer knows (in 2D:
+    /// cubes on z = 0); empty if genericMapParams.enableSaveAs3DObject is off.
+    void getVisualizationInto(mrpt::opengl::CSetOfObjects& objects) const override;
+    /// Writes <prefix>.srmap and <prefix>.3Dscene, in 3D <prefix>.bt and
+    /// <prefix>.ot, in 2D the picture <prefix>.png.
+    void saveMetricMapRepresentationToFile(const std::string& prefix) const override;
+    /// Share of the other map's points (it must be, or hold, a points map) that
+    /// have an occupied cell within maxDistForCorr; 0 for other maps.
+    float compute3DMatchingRatio(const mrpt::maps::CMetricMap* other,
+                                 const mrpt::poses::CPose3D& otherPose,
+                                 const mrpt::maps::TMatchingRatioParams& params) const override;
+    /// Pairs each point of a points map with the centre of the nearest occupied cell.
+    void determineMatching3D(const mrpt::maps::CMetricMap* other,
+                             const mrpt::poses::CPose3D& otherPose,
+                             mrpt::tfest::TMatchingPairList& correspondences,
+                             const mrpt::maps::TMatchingParams& params,
+                             mrpt::maps::TMatchingExtraResults& extraResults) const override;
+    void determineMatching2D(const mrpt::maps::CMetricMap* other,
+                             const mrpt::poses::CPose2D& otherPose,
+                             mrpt::tfest::TMatchingPairList& correspondences,
+                             const mrpt::maps::TMatchingParams& params,
+                             mrpt::maps::TMatchingExtraResults& extraResults) const override;
+    mrpt::math::TBoundingBoxf boundingBox() const SUPERRAY_OVERRIDE_SINCE_2_11_3;
+
+   protected:
+    CSuperRayMapBase(StorageType type, double resolution);
+    ~CSuperRayMapBase() override;
+    CSuperRayMapBase(const CSuperRayMapBase& other);
+    CSuperRayMapBase& operator=(const CSuperRayMapBase& other);
+
+    // For the subclasses' serializeTo / serializeFrom.
+    static constexpr std::uint8_t kSerialVersion = 0;
+    void writeTo(mrpt::serialization::CArchive& out) const;
+    /// On any error throws and leaves the map untouched.
+    void readFrom(mrpt::serialization::CArchive& in, std::uint8_t version);
+
+   private:
+    using Storage = std::unique_ptr<OccupancyMap<Dim>>;
+
+    void internal_clear() override;
+    bool internal_insertObservation(
+        const mrpt::obs::CObservation& observation,
+        const std::optional<const mrpt::poses::CPose3D>& robotPose) override;
+    double internal_computeObservationLikelihood(
+        const mrpt::obs::CObservation& observation,
+        const mrpt::poses::CPose3D& robotPose) const override;
+    bool internal_canComputeObservationLikelihood(
+        const mrpt::obs::CObservation& observation) const override;
+
+    Storage makeEmptyStorage(double resolution) const;
+    /// Takes over what was read; does not throw half-way.
+    void replaceAll(Storage storage, const TMapOptions& options);
+    void assignOptions(const TMapOptions& options);
+    void contentsChanged() { visualization_.reset(); }
+    void integrate(const RayBundle<Dim>& rays, TInsertionReport report);
+    std::shared_ptr<mrpt::opengl::COctoMapVoxels> visualization() const;
+
+    StorageType type_;
+    Storage storage_;
+    ScanIntegrator<Dim> integrator_;
+    TInsertionReport last_, totals_;
+
+    /// Built on demand, kept while contents and options stay the same.
+    mutable std::shared_ptr<const mrpt::opengl::COctoMapVoxels> visualization_;
+    mutable std::string visualizationOptions_;
+};
+
+extern template class CSuperRayMapBase<2>;
+extern template class CSuperRayMapBase<3>;
+
+}  // namespace superray

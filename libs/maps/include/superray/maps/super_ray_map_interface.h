@@ -1,0 +1,92 @@
+#pragma once
+/// \file super_ray_map_interface.h
+/// The maps for code that does not know their dimension: dynamic_cast a
+/// CMetricMap to this.
+
+#include <superray/core/sensor_model.h>
+#include <superray/maps/insertion_report.h>
+#include <superray/maps/options.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace superray {
+
+/// Numbers of cells.
+struct CellTotals {
+    std::uint64_t known = 0, occupied = 0, free = 0;
+};
+
+/// Axis-aligned box [m, map frame]; z is 0 in 2D.
+struct MetricBounds {
+    Eigen::Vector3d lowest, highest;
+};
+
+class SuperRayMapInterface {
+   public:
+    virtual ~SuperRayMapInterface() = default;
+
+    virtual int dimension() const = 0;
+    /// E.g. "CSuperRayGridMap3D".
+    virtual std::string shortClassName() const = 0;
+    virtual double resolution() const = 0;  ///< [m]
+    /// \throws std::logic_error if the map is not empty
+    /// \throws std::invalid_argument unless finite and > 0
+    virtual void setResolution(double metres) = 0;
+
+    virtual CellTotals cellTotals() const = 0;
+    /// Box around the known cells; nothing if there are none.
+    virtual std::optional<MetricBounds> metricBounds() const = 0;
+    virtual std::size_t memoryBytes() const = 0;
+    /// Digest of the contents; see contentDigest().
+    virtual std::string digest() const = 0;
+    virtual SensorModel sensorModel() const = 0;
+
+    /// What the last insertion did, and the sum of all since construction,
+    /// clear() or loading.
+    virtual const TInsertionReport& lastInsertion() const = 0;
+    virtual const TInsertionReport& totals() const = 0;
+
+    /// All options (a copy; `creation` holds the resolution and the generic
+    /// parameters that are in force).
+    virtual TMapOptions options() const = 0;
+    /// Replaces all options but load_from. The resolution may change only while
+    /// the map is empty. \throws std::invalid_argument, std::logic_error
+    virtual void setOptions(const TMapOptions& options) = 0;
+    /// Reads the sections `<prefix>_creationOpts`, `<prefix>_insertOpts`, ...;
+    /// what they do not name is kept. \throws as setOptions()
+    void setOptionsFromConfig(const mrpt::config::CConfigFileBase& source,
+                              const std::string& prefix) {
+        TMapOptions updated = options();
+        updated.loadFromConfigFile(source, prefix);
+        setOptions(updated);
+    }
+    /// .ini text of all options: sections [creationOpts], [insertOpts], ...
+    std::string optionsAsIniText() const { return options().toText(); }
+
+    /// Native file (.srmap), contents and options. \throws MapFileError
+    virtual void saveToFile(const std::string& path) const = 0;
+    /// Replaces contents and options; on error the map stays as it is. A map
+    /// of the other storage type but the same dimension is accepted.
+    /// \throws MapFileError
+    virtual void loadFromFile(const std::string& path) = 0;
+
+    /// OctoMap file: .bt (occupied or free only) or .ot (log-odds). 3D only.
+    /// \throws std::invalid_argument for 2D maps and other extensions
+    /// \throws std::runtime_error if it cannot be written
+    virtual void exportOctomap(const std::string& path) const = 0;
+    /// Binary PLY: centres of occupied cells and their probability.
+    /// \throws std::runtime_error if it cannot be written
+    virtual void exportPly(const std::string& path) const = 0;
+    /// MRPT scene with the map's visualisation, whatever enableSaveAs3DObject is.
+    /// \throws std::runtime_error if it cannot be written
+    virtual void exportScene(const std::string& path) const = 0;
+    /// Grey picture: occupied black, free white, unknown grey. 2D only.
+    /// \throws std::invalid_argument for 3D maps and for more than 32768 pixels a side
+    /// \throws std::runtime_error if it cannot be written
+    virtual void exportPicture(const std::string& path) const = 0;
+};
+
+}  // namespace superray

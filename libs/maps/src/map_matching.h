@@ -1,0 +1,34 @@
+#pragma once
+/// \file map_matching.h
+/// How well points agree with a map.
+
+#include <mrpt/maps/CMetricMap.h>
+#include <mrpt/poses/CPose3D.h>
+#include <mrpt/tfest/TMatchingPair.h>
+#include <superray/maps/options.h>
+#include <superray/storage/occupancy_map.h>
+
+namespace superray {
+
+/// Log-likelihood of the hits; see TLikelihoodOptions. Points that cannot be
+/// addressed score as if they were far from anything.
+template <int Dim>
+double endPointLogLikelihood(const RayBundle<Dim>& rays, const OccupancyMap<Dim>& map,
+                             const SensorModel& model, const TLikelihoodOptions& options);
+
+/// See CSuperRayMapBase::compute3DMatchingRatio().
+template <int Dim>
+float matchingRatio(const OccupancyMap<Dim>& map, const SensorModel& model,
+                    const mrpt::maps::CMetricMap* other, const mrpt::poses::CPose3D& otherPose,
+                    const mrpt::maps::TMatchingRatioParams& params);
+
+/// See CMetricMap::determineMatching3D(). Occupied cells farther than 32 cells
+/// from a point are not found.
+template <int Dim>
+void matchPoints(const OccupancyMap<Dim>& map, const SensorModel& model,
+                 const mrpt::maps::CMetricMap* other, const mrpt::poses::CPose3D& otherPose,
+                 const mrpt::maps::TMatchingParams& params,
+                 mrpt::tfest::TMatchingPairList& correspondences,
+                 mrpt::maps::TMatchingExtraResults& extraResults);
+
+}  // namespace superray

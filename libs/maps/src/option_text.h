@@ -1,0 +1,78 @@
+#pragma once
+/// \file option_text.h
+/// Values of options as text, and strict reading of .ini sections.
+
+#include <mrpt/config/CConfigFileBase.h>
+#include <superray/maps/options.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace superray {
+
+/// Text that reads back to the same bits.
+std::string formatValue(double value);
+std::string formatValue(bool value);
+std::string formatValue(std::uint32_t value);
+/// \throws std::invalid_argument for control characters, which .ini text cannot hold
+std::string formatValue(const std::string& value);
+std::string formatValue(UpdatePolicy value);
+std::string formatValue(Method value);
+std::string formatValue(VoxelColour value);
+
+/// \throws std::invalid_argument with the rule only, e.g. "must be a number"
+void parseValue(const std::string& text, double& value);
+void parseValue(const std::string& text, bool& value);
+void parseValue(const std::string& text, std::uint32_t& value);
+void parseValue(const std::string& text, std::string& value);
+void parseValue(const std::string& text, UpdatePolicy& value);
+void parseValue(const std::string& text, Method& value);
+void parseValue(const std::string& text, VoxelColour& value);
+
+/// The candidate with the fewest edits from `word`, ignoring case.
+std::string closestTo(const std::string& word, const std::vector<std::string>& candidates);
+
+bool equalIgnoringCase(const std::string& a, const std::string& b);
+
+/// A section of key = value lines whose every key must be known.
+class StrictSection {
+   public:
+    struct Entry {
+        std::string key, value;
+        bool used = false;
+    };
+
+    StrictSection(std::string name, std::vector<Entry> entries)
+        : name_(std::move(name)), entries_(std::move(entries)) {}
+    StrictSection(const mrpt::config::CConfigFileBase& source, const std::string& name);
+
+    /// Parses the value of `key` if present; keys match without regard to case.
+    /// \throws std::invalid_argument naming section, key, value and rule
+    template <class T>
+    void read(const std::string& key, T& value) {
+        knownKeys_.push_back(key);
+        for (Entry& e : entries_) {
+            if (e.used || !equalIgnoringCase(e.key, key)) continue;
+            e.used = true;
+            try {
+                parseValue(e.value, value);
+            } catch (const std::invalid_argument& rule) {
+                failBadValue(e, rule.what());
+            }
+        }
+    }
+
+    /// To be called after all read().
+    /// \throws std::invalid_argument naming an unread key and the closest known one
+    void rejectUnknownKeys() const;
+
+   private:
+    [[noreturn]] void failBadValue(const Entry& entry, const std::string& rule) const;
+
+    std::string name_;
+    std::vector<Entry> entries_;
+    std::vector<std::string> knownKeys_;
+};
+
+}  // namespace superray

@@ -1,0 +1,278 @@
+#include <superray/maps/options.h>
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "option_text.h"
+
+namespace superray {
+namespace {
+
+// The one list of keys per section: loading, saving and text all follow it.
+// visit(key, member, comment)
+
+template <class O, class Visit>
+void visitCreation(O& o, Visit visit) {
+    visit("resolution", o.resolution, "[m] cell edge");
+    visit("load_from", o.load_from, "native map file to start from");
+    visit("enableSaveAs3DObject", o.enableSaveAs3DObject, "show this map");
+    visit("enableObservationLikelihood", o.enableObservationLikelihood, "use its likelihood");
+    visit("enableObservationInsertion", o.enableObservationInsertion, "insert into it");
+}
+
+template <class O, class Visit>
+void visitInsertion(O& o, Visit visit) {
+    visit("maxrange", o.maxrange, "[m] longer rays are cut, <= 0: no limit");
+    visit("minrange", o.minrange, "[m] nearer returns are skipped");
+    visit("probHit", o.probHit, "in (0.5, 1)");
+    visit("probMiss", o.probMiss, "in (0, 0.5)");
+    visit("clampingThresMin", o.clampingThresMin, "in (0, 0.5)");
+    visit("clampingThresMax", o.clampingThresMax, "in (0.5, 1)");
+    visit("occupancyThres", o.occupancyThres, "in (0, 1)");
+    visit("policy", o.policy, "everyRay, oncePerScan");
+    visit("method", o.method, "reference, perRay, superRays, culling, full, auto");
+    visit("superRayThreshold", o.superRayThreshold, "fewer points in a cell: not grouped");
+    visit("threads", o.threads, ">= 1");
+    visit("decimation", o.decimation, "use one of so many measurements");
+    visit("insertNoReturnRays", o.insertNoReturnRays, "measurements without return clear");
+    visit("noReturnRange", o.noReturnRange, "[m] their length, <= 0: sensor's maximum");
+    visit("sensorLabel", o.sensorLabel, "comma-separated, empty: all");
+    visit("heightBandMin", o.heightBandMin, "[m] map frame, 3D returns only");
+    visit("heightBandMax", o.heightBandMax, "[m] map frame, 3D returns only");
+}
+
+template <class O, class Visit>
+void visitLikelihood(O& o, Visit visit) {
+    visit("decimation", o.decimation, "use one of so many measurements");
+    visit("sigma", o.sigma, "[m] of the distance to an occupied cell");
+    visit("maxDistance", o.maxDistance, "[m] farther is as bad as this");
+    visit("unknownLikelihood", o.unknownLikelihood, "in (0, 1], a hit has 1");
+}
+
+template <class O, class Visit>
+void visitRendering(O& o, Visit visit) {
+    visit("generateGridLines", o.generateGridLines, "edges of all drawn cells");
+    visit("generateOccupiedVoxels", o.generateOccupiedVoxels, "");
+    visit("visibleOccupiedVoxels", o.visibleOccupiedVoxels, "");
+    visit("generateFreeVoxels", o.generateFreeVoxels, "many");
+    visit("visibleFreeVoxels", o.visibleFreeVoxels, "");
+    visit("colour", o.colour, "height, occupancy");
+}
+
+template <class O, class Visit>
+void visitOptions(O& o, Visit visit) {
+    using Options = std::remove_const_t<O>;
+    if constexpr (std::is_same_v<Options, TCreationOptions>) visitCreation(o, visit);
+    if constexpr (std::is_same_v<Options, TInsertionOptions>) visitInsertion(o, visit);
+    if constexpr (std::is_same_v<Options, TLikelihoodOptions>) visitLikelihood(o, visit);
+    if constexpr (std::is_same_v<Options, TRenderingOptions>) visitRendering(o, visit);
+}
+
+void require(bool rule, const char* key, double value, const char* text) {
+    if (rule) return;
+    throw std::invalid_argument(std::string(key) + " = " + formatValue(value) +
+                                ": must satisfy " + text);
+}
+
+template <class Options>
+void validateIn(const std::string& section, const Options& options) {
+    if constexpr (!std::is_same_v<Options, TRenderingOptions>) {
+        try {
+            options.validate();
+        } catch (const std::invalid_argument& e) {
+            throw std::invalid_argument("[" + section + "] " + e.what());
+        }
+    }
+}
+
+/// All or nothing.
+template <class Options>
+void readSection(StrictSection section, const std::string& name, Options& options) {
+    Options updated = options;
+    visitOptions(updated, [&](const char* key, auto& value, const char*) {
+        section.read(key, value);
+    });
+    section.rejectUnknownKeys();
+    validateIn(name, updated);
+    options = updated;
+}
+
+template <class Options>
+void writeSection(const Options& options, mrpt::config::CConfigFileBase& target,
+                  const std::string& section) {
+    visitOptions(options, [&](const char* key, const auto& value, const char* comment) {
+        target.write(section, key, formatValue(value), 24, 12, comment);
+    });
+}
+
+/// The four sections in order: f(suffix, options).
+template <class Options, class F>
+void forEachSection(Options& o, F f) {
+    f("creationOpts", o.creation);
+    f("insertOpts", o.insertion);
+    f("likelihoodOpts", o.likelihood);
+    f("renderOpts", o.rendering);
+}
+
+}  // namespace
+
+void TCreationOptions::loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
+                                          const std::string& section) {
+    readSection(StrictSection(source, section), section, *this);
+}
+void TCreationOptions::saveToConfigFile(mrpt::config::CConfigFileBase& target,
+                                        const std::string& section) const {
+    writeSection(*this, target, section);
+}
+void TCreationOptions::validate() const {
+    require(std::isfinite(resolution) && resolution > 0, "resolution", resolution,
+            "resolution > 0");
+}
+
+void TInsertionOptions::loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
+                                           const std::string& section) {
+    readSection(StrictSection(source, section), section, *this);
+}
+void TInsertionOptions::saveToConfigFile(mrpt::config::CConfigFileBase& target,
+                                         const std::string& section) const {
+    writeSection(*this, target, section);
+}
+void TInsertionOptions::validate() const {
+    sensorModel();
+    rangeLimits();
+    integratorOptions();
+    require(decimation >= 1, "decimation", decimation, "decimation >= 1");
+    require(!std::isnan(noReturnRange), "noReturnRange", noReturnRange, "being a number");
+    require(heightBandMin < heightBandMax, "heightBandMin", heightBandMin,
+            "heightBandMin < heightBandMax");
+    formatValue(sensorLabel);
+}
+
+SensorModel TInsertionOptions::sensorModel() const {
+    return SensorModel(
+        SensorProbabilities{probHit, probMiss, clampingThresMin, clampingThresMax, occupancyThres});
+}
+
+RangeLimits TInsertionOptions::rangeLimits() const {
+    require(!std::isnan(maxrange), "maxrange", maxrange, "being a number");
+    require(std::isfinite(minrange) && minrange >= 0, "minrange", minrange, "minrange >= 0");
+    RangeLimits limits;
+    limits.minimum = minrange;
+    if (maxrange > 0) {
+        require(minrange < maxrange, "minrange", minrange, "minrange < maxrange");
+        limits.maximum = maxrange;
+    }
+    return limits;
+}
+
+IntegratorOptions TInsertionOptions::integratorOptions() const {
+    IntegratorOptions options;
+    options.method = method;
+    options.policy = policy;
+    options.superRayThreshold = superRayThreshold;
+    options.threads = threads;
+    options.validate();
+    return options;
+}
+
+bool TInsertionOptions::acceptsSensor(const std::string& label) const {
+    if (sensorLabel.empty()) return true;
+    std::istringstream list(sensorLabel);
+    for (std::string entry; std::getline(list, entry, ',');) {
+        const auto first = entry.find_first_not_of(" \t");
+        const auto last = entry.find_last_not_of(" \t");
+        if (first != std::string::npos && entry.substr(first, last - first + 1) == label)
+            return true;
+    }
+    return false;
+}
+
+void TLikelihoodOptions::loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
+                                            const std::string& section) {
+    readSection(StrictSection(source, section), section, *this);
+}
+void TLikelihoodOptions::saveToConfigFile(mrpt::config::CConfigFileBase& target,
+                                          const std::string& section) const {
+    writeSection(*this, target, section);
+}
+void TLikelihoodOptions::validate() const {
+    require(decimation >= 1, "decimation", decimation, "decimation >= 1");
+    require(std::isfinite(sigma) && sigma > 0, "sigma", sigma, "sigma > 0");
+    require(std::isfinite(maxDistance) && maxDistance > 0, "maxDistance", maxDistance,
+            "maxDistance > 0");
+    require(unknownLikelihood > 0 && unknownLikelihood <= 1, "unknownLikelihood",
+            unknownLikelihood, "0 < unknownLikelihood <= 1");
+}
+
+void TRenderingOptions::loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
+                                           const std::string& section) {
+    readSection(StrictSection(source, section), section, *this);
+}
+void TRenderingOptions::saveToConfigFile(mrpt::config::CConfigFileBase& target,
+                                         const std::string& section) const {
+    writeSection(*this, target, section);
+}
+
+void TMapOptions::loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
+                                     const std::string& prefix) {
+    std::vector<std::string> sections, known;
+    source.getAllSections(sections);
+    forEachSection(*this, [&](const char* suffix, auto&) {
+        known.push_back(prefix + "_" + suffix);
+    });
+    for (const auto& s : sections) {
+        if (s.size() <= prefix.size() || !equalIgnoringCase(s.substr(0, prefix.size() + 1), prefix + "_"))
+            continue;
+        bool found = false;
+        for (const auto& k : known) found = found || equalIgnoringCase(s, k);
+        if (!found)
+            throw std::invalid_argument("[" + s + "]: unknown section; did you mean [" +
+                                        closestTo(s, known) + "]?");
+    }
+    TMapOptions updated = *this;
+    forEachSection(updated, [&](const char* suffix, auto& options) {
+        options.loadFromConfigFile(source, prefix + "_" + suffix);
+    });
+    *this = updated;
+}
+
+std::string TMapOptions::toText() const {
+    std::string text;
+    forEachSection(*this, [&](const char* suffix, const auto& options) {
+        text += "[" + std::string(suffix) + "]\n";
+        visitOptions(options, [&](const char* key, const auto& value, const char*) {
+            text += std::string(key) + " = " + formatValue(value) + "\n";
+        });
+    });
+    return text;
+}
+
+void TMapOptions::fromText(const std::string& text) {
+    std::vector<std::pair<std::string, std::vector<StrictSection::Entry>>> sections;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        const std::size_t equals = line.find(" = ");
+        if (line.size() > 2 && line.front() == '[' && line.back() == ']') {
+            sections.push_back({line.substr(1, line.size() - 2), {}});
+        } else if (!sections.empty() && equals != std::string::npos) {
+            sections.back().second.push_back(
+                {line.substr(0, equals), line.substr(equals + 3), false});
+        } else {
+            throw std::invalid_argument("options: unexpected line \"" + line + "\"");
+        }
+    }
+    TMapOptions updated = *this;
+    for (auto& [name, entries] : sections) {
+        bool known = false;
+        forEachSection(updated, [&, &n = name, &list = entries](const char* suffix, auto& options) {
+            if (n != suffix) return;
+            known = true;
+            readSection(StrictSection(n, std::move(list)), n, options);
+        });
+        if (!known) throw std::invalid_argument("options: unknown section [" + name + "]");
+    }
+    *this = updated;
+}
+
+}  // namespace superray

@@ -1,0 +1,102 @@
+// Registration of all maps: MRPT finds them by class name when reading streams,
+// and by .ini name when creating maps.
+
+#include <mrpt/version.h>
+#include <octomap/OcTree.h>
+#include <superray/maps/CSuperRayGridMap2D.h>
+#include <superray/maps/CSuperRayGridMap3D.h>
+#include <superray/maps/CSuperRayOctoMap.h>
+#include <superray/maps/CSuperRayQuadMap.h>
+#include <superray/storage/octree.h>
+
+#include <cstdlib>
+#include <iostream>
+
+namespace superray {
+namespace {
+
+/// An empty (or loaded) map from what an .ini file says.
+template <class Created, class Map>
+Created createFrom(const mrpt::maps::TMetricMapInitializer& definition) {
+    const auto& typed = dynamic_cast<const typename Map::TMapDefinition&>(definition);
+    TMapOptions options = typed.options;
+    options.creation.enableSaveAs3DObject = definition.genericMapParams.enableSaveAs3DObject;
+    options.creation.enableObservationLikelihood =
+        definition.genericMapParams.enableObservationLikelihood;
+    options.creation.enableObservationInsertion =
+        definition.genericMapParams.enableObservationInsertion;
+    auto map = std::make_unique<Map>(options.creation.resolution);
+    if (!options.creation.load_from.empty()) {
+        map->loadFromFile(options.creation.load_from);
+        options.creation.resolution = map->resolution();
+    }
+    map->setOptions(options);
+    if constexpr (std::is_pointer_v<Created>) {
+        return map.release();
+    } else {
+        return Created(std::move(map));
+    }
+}
+
+}  // namespace
+
+const octomap::OcTree& CSuperRayOctoMap::octree() const {
+    return dynamic_cast<const Octree&>(storage()).tree();
+}
+
+}  // namespace superray
+
+// MRPT wants each of these per class; a template cannot define them.
+#define SUPERRAY_REGISTER_MAP(Class, alias)                                                  \
+    IMPLEMENTS_SERIALIZABLE(Class, mrpt::maps::CMetricMap, superray)                         \
+    MAP_DEFINITION_REGISTER("superray::" #Class "," alias, superray::Class)                  \
+    superray::Class::TMapDefinition::TMapDefinition() = default;                             \
+    void superray::Class::TMapDefinition::loadFromConfigFile_map_specific(                   \
+        const mrpt::config::CConfigFileBase& source, const std::string& prefix) {            \
+        options.loadFromConfigFile(source, prefix);                                          \
+    }                                                                                        \
+    void superray::Class::TMapDefinition::dumpToTextStream_map_specific(std::ostream& out)   \
+        const {                                                                              \
+        out << options.toText();                                                             \
+    }                                                                                        \
+    auto superray::Class::internal_CreateFromMapDefinition(                                  \
+        const mrpt::maps::TMetricMapInitializer& definition)                                 \
+        ->superray::MapCreatorResult {                                                       \
+        return superray::createFrom<superray::MapCreatorResult, superray::Class>(definition); \
+    }                                                                                        \
+    std::uint8_t superray::Class::serializeGetVersion() const { return kSerialVersion; }     \
+    void superray::Class::serializeTo(mrpt::serialization::CArchive& out) const {            \
+        writeTo(out);                                                                        \
+    }                                                                                        \
+    void superray::Class::serializeFrom(mrpt::serialization::CArchive& in,                   \
+                                        std::uint8_t version) {                              \
+        readFrom(in, version);                                                               \
+    }
+
+SUPERRAY_REGISTER_MAP(CSuperRayGridMap3D, "superRayGridMap3D")
+SUPERRAY_REGISTER_MAP(CSuperRayOctoMap, "superRayOctoMap")
+SUPERRAY_REGISTER_MAP(CSuperRayGridMap2D, "superRayGridMap2D")
+SUPERRAY_REGISTER_MAP(CSuperRayQuadMap, "superRayQuadMap")
+#undef SUPERRAY_REGISTER_MAP
+
+namespace {
+
+/// Below the class ids that it registers, so constructed after them; an
+/// MRPT_INITIALIZER in this file would run before.
+const bool registered = [] {
+    using namespace superray;
+    mrpt::rtti::registerClass(CLASS_ID(CSuperRayGridMap3D));
+    mrpt::rtti::registerClass(CLASS_ID(CSuperRayOctoMap));
+    mrpt::rtti::registerClass(CLASS_ID(CSuperRayGridMap2D));
+    mrpt::rtti::registerClass(CLASS_ID(CSuperRayQuadMap));
+    // A user whose plugin did not load sees nothing, so say that it did. On
+    // stderr: programs that link the library may print data on stdout.
+    if (!std::getenv("SUPERRAY_QUIET"))
+        std::cerr << "[superray] INFO: superray " SUPERRAY_VERSION
+                     " (" << MRPT_version_str << "): map classes registered: "
+                     "superRayGridMap3D, superRayOctoMap, superRayGridMap2D, "
+                     "superRayQuadMap\n";
+    return true;
+}();
+
+}  // namespace

@@ -1,0 +1,72 @@
+#pragma once
+/// \file sensor_returns.h
+/// One reader per observation class; see observation_rays.h.
+
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
+#include <superray/maps/observation_rays.h>
+
+#include <cmath>
+#include <limits>
+
+namespace superray {
+
+/// Collects one of every `decimation` measurements.
+class ReturnCollector {
+   public:
+    /// \param sensorMaximum [m] maximum range of the sensor, <= 0 or Inf: unknown
+    ReturnCollector(SensorReturns& out, const ReturnOptions& options, double sensorMaximum)
+        : out_(out), decimation_(options.decimation) {
+        const double range = options.noReturnRange > 0 ? options.noReturnRange : sensorMaximum;
+        if (options.noReturnRays && range > 0 && std::isfinite(range))
+            noReturnRange_ = static_cast<float>(range);
+    }
+
+    /// False if this measurement is to be left out. To be asked once for each.
+    bool next() {
+        if (decimation_ == 1) return true;
+        const bool taken = index_ == 0;
+        index_ = index_ + 1 == decimation_ ? 0 : index_ + 1;
+        return taken;
+    }
+
+    void hit(const Eigen::Vector3f& point) { out_.hits.push_back(point); }
+
+    /// \param direction of any length > 0, sensor frame
+    void noReturn(const Eigen::Vector3f& direction) {
+        ++out_.noReturnCount;
+        if (noReturnRange_ > 0) out_.noReturns.push_back(direction.normalized() * noReturnRange_);
+    }
+    /// A measurement that tells nothing, e.g. one out of the sensor's limits.
+    void invalid() { ++out_.noReturnCount; }
+
+   private:
+    SensorReturns& out_;
+    unsigned decimation_;
+    unsigned index_ = 0;
+    float noReturnRange_ = 0;
+};
+
+/// Points of any container pair of x, y, z; (0, 0, 0) means no return.
+template <class Floats>
+void collectPoints(const Floats& x, const Floats& y, const Floats& z, ReturnCollector& to) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        if (!to.next()) continue;
+        if (x[i] == 0 && y[i] == 0 && z[i] == 0) {
+            to.invalid();
+        } else {
+            to.hit({x[i], y[i], z[i]});
+        }
+    }
+}
+
+std::optional<SensorReturns> read(const mrpt::obs::CObservation3DRangeScan&, const ReturnOptions&);
+std::optional<SensorReturns> read(const mrpt::obs::CObservationVelodyneScan&, const ReturnOptions&);
+std::optional<SensorReturns> read(const mrpt::obs::CObservationPointCloud&, const ReturnOptions&);
+std::optional<SensorReturns> read(const mrpt::obs::CObservation2DRangeScan&, const ReturnOptions&);
+std::optional<SensorReturns> read(const mrpt::obs::CObservationRotatingScan&, const ReturnOptions&);
+
+}  // namespace superray

@@ -1,0 +1,137 @@
+// Reading and writing whole maps: native files and MRPT streams.
+
+#include <mrpt/serialization/CArchive.h>
+#include <superray/maps/super_ray_map_base.h>
+
+#include <algorithm>
+#include <iostream>
+#include <stdexcept>
+#include <vector>
+
+namespace superray {
+namespace {
+
+/// FNV-1a: guards the options in a stream (the cells have their own checksum).
+std::uint64_t checksum(const std::string& text) {
+    std::uint64_t h = 0xCBF29CE484222325ull;
+    for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001B3ull;
+    return h;
+}
+
+template <class Bytes>
+void writeBytes(mrpt::serialization::CArchive& out, const Bytes& bytes) {
+    out << static_cast<std::uint64_t>(bytes.size());
+    if (!bytes.empty()) out.WriteBuffer(bytes.data(), bytes.size());
+}
+
+/// Grows as data arrive: a wrong size runs into the end of the stream, not
+/// into a huge allocation.
+template <class Bytes>
+Bytes readBytes(mrpt::serialization::CArchive& in) {
+    constexpr std::uint64_t kStep = 1u << 20;
+    std::uint64_t left = 0;
+    in >> left;
+    Bytes bytes;
+    while (left > 0) {
+        const auto step = static_cast<std::size_t>(std::min(left, kStep));
+        const std::size_t had = bytes.size();
+        bytes.resize(had + step);
+        if (in.ReadBuffer(&bytes[had], step) != step)
+            throw std::runtime_error("unexpected end of stream");
+        left -= step;
+    }
+    return bytes;
+}
+
+}  // namespace
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::writeTo(mrpt::serialization::CArchive& out) const {
+    const std::string text = options().toText();
+    const auto cells = encodeCells(*storage_);
+    writeBytes(out, text);
+    out << checksum(text);
+    writeBytes(out, cells);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::readFrom(mrpt::serialization::CArchive& in, std::uint8_t version) {
+    try {
+        if (version > kSerialVersion)
+            throw std::runtime_error("version " + std::to_string(version) +
+                                     " is newer than this library's, " +
+                                     std::to_string(kSerialVersion));
+        const auto text = readBytes<std::string>(in);
+        std::uint64_t sum = 0;
+        in >> sum;
+        if (sum != checksum(text)) throw std::runtime_error("checksum of the options is wrong");
+        TMapOptions read;
+        read.fromText(text);
+        const auto cells = readBytes<std::vector<std::uint8_t>>(in);
+        Storage storage = makeEmptyStorage(read.creation.resolution);
+        decodeCells(cells.data(), cells.size(), *storage);
+        replaceAll(std::move(storage), read);
+    } catch (const std::exception& e) {
+        throw std::runtime_error(shortClassName() + ": cannot read map from stream: " + e.what());
+    }
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::saveToFile(const std::string& path) const {
+    MapFileHeader header;
+    header.className = shortClassName();
+    header.dimension = Dim;
+    header.resolution = resolution();
+    header.options = options().toText();
+    saveMapFile(path, header, encodeCells(*storage_));
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::loadFromFile(const std::string& path) {
+    const MapFile file = loadMapFile(path);
+    if (file.header.dimension != Dim)
+        throw MapFileError(path + ": holds a " + std::to_string(file.header.dimension) +
+                           "D map (" + file.header.className + "); " + shortClassName() +
+                           " can load " + std::to_string(Dim) + "D maps only");
+    TMapOptions read;
+    try {
+        read.fromText(file.header.options);
+        read.creation.resolution = file.header.resolution;
+        read.creation.validate();
+    } catch (const std::invalid_argument& e) {
+        throw MapFileError(path + ": " + e.what());
+    }
+    Storage storage = makeEmptyStorage(read.creation.resolution);
+    decodeCells(file.cells.data(), file.cells.size(), *storage);
+    replaceAll(std::move(storage), read);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::saveMetricMapRepresentationToFile(const std::string& prefix) const {
+    saveToFile(prefix + ".srmap");
+    exportScene(prefix + ".3Dscene");
+    if constexpr (Dim == 3) {
+        exportOctomap(prefix + ".bt");
+        exportOctomap(prefix + ".ot");
+    } else {
+        try {
+            exportPicture(prefix + ".png");
+        } catch (const std::invalid_argument& tooLarge) {
+            // The map itself is saved: no reason to stop the caller.
+            std::cerr << "[superray] " << tooLarge.what() << "\n";
+        }
+    }
+}
+
+template void CSuperRayMapBase<2>::writeTo(mrpt::serialization::CArchive&) const;
+template void CSuperRayMapBase<3>::writeTo(mrpt::serialization::CArchive&) const;
+template void CSuperRayMapBase<2>::readFrom(mrpt::serialization::CArchive&, std::uint8_t);
+template void CSuperRayMapBase<3>::readFrom(mrpt::serialization::CArchive&, std::uint8_t);
+template void CSuperRayMapBase<2>::saveToFile(const std::string&) const;
+template void CSuperRayMapBase<3>::saveToFile(const std::string&) const;
+template void CSuperRayMapBase<2>::loadFromFile(const std::string&);
+template void CSuperRayMapBase<3>::loadFromFile(const std::string&);
+template void CSuperRayMapBase<2>::saveMetricMapRepresentationToFile(const std::string&) const;
+template void CSuperRayMapBase<3>::saveMetricMapRepresentationToFile(const std::string&) const;
+
+}  // namespace superray
