@@ -41,7 +41,7 @@ template <int Dim>
 constexpr Cell<Dim> cellInBlock(const BlockKey<Dim>& k, int index) {
     Cell<Dim> c{};
     for (int a = 0; a < Dim; ++a)
-        c[a] = (k[a] << kBlockBits) + ((index >> (kBlockBits * a)) & (kBlockEdge - 1));
+        c[a] = k[a] * kBlockEdge + ((index >> (kBlockBits * a)) & (kBlockEdge - 1));
     return c;
 }
 
