@@ -10,10 +10,10 @@ class FoldLayersTest : public ::testing::TestWithParam<UpdatePolicy> {};
 
 TEST_P(FoldLayersTest, EveryVersionEqualsTheSensorModel) {
     const UpdatePolicy policy = GetParam();
-    FoldVersion versions[3];
+    FoldVersion versions[kMaxFoldVersions];
     const int count = foldVersions(versions);
     ASSERT_GE(count, 1);
-    EXPECT_EQ(foldLayersForThisCpu(), versions[count - 1].fold);
+    EXPECT_STREQ(foldForThisCpu().name, versions[count - 1].name);
 
     std::mt19937 random{11};
     SensorProbabilities other;
@@ -43,15 +43,21 @@ TEST_P(FoldLayersTest, EveryVersionEqualsTheSensorModel) {
         for (int v = 0; v < count; ++v) {
             auto got = values;
             BlockMask<3> gotKnown = known, gotSaturated = saturated;
-            versions[v].fold(
-                FoldModel(model, policy),
-                {got.data(), gotKnown.words.data(), gotSaturated.words.data(), layers},
-                misses.data(), anyHits ? hits.data() : nullptr);
+            BlockMask<3> touched;
+            float* layerValues[8];
+            for (int z = 0; z < 8; ++z) layerValues[z] = got.data() + 64 * z;
+            const std::uint8_t* hitsOrNone = anyHits ? hits.data() : nullptr;
+            versions[v].touchedCells(layers, misses.data(), hitsOrNone, touched.words.data());
+            versions[v].foldCounts(FoldModel(model, policy),
+                                   {layers, layerValues, touched.words.data(),
+                                    gotKnown.words.data(), gotSaturated.words.data()},
+                                   misses.data(), hitsOrNone);
             for (unsigned i = 0; i < 512; ++i, ++cells) {
                 const int at = static_cast<int>(i);
                 const std::uint32_t m = at < 64 * layers ? misses[i] : 0;
                 const std::uint32_t h = at < 64 * layers && anyHits ? hits[i] : 0;
                 const float expected = model.updated(values[i], m, h, policy);
+                ASSERT_EQ(touched.test(at), m || h) << versions[v].name;
                 const bool isKnown = known.test(at) || m || h;
                 ASSERT_EQ(bitsOf(got[i]), bitsOf(expected)) << versions[v].name;
                 ASSERT_EQ(gotKnown.test(at), isKnown) << versions[v].name;

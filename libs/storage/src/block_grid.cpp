@@ -12,12 +12,20 @@
 namespace superray {
 namespace {
 
-/// Cells of a block that is not uniform.
+/// Values of 64 cells (one BlockMask word), 0 where not known.
+struct alignas(64) Layer {
+    std::array<float, 64> values;
+};
+constexpr std::uint32_t kNoLayer = ~std::uint32_t{0};
+
+/// A block that is not uniform. Layers without known cells take no memory.
 template <int Dim>
 struct Payload {
-    std::array<float, kBlockCells<Dim>> values{};  // 0 where not known
+    static constexpr int kLayers = BlockMask<Dim>::kWords;
+    Payload() { layers.fill(kNoLayer); }
     BlockMask<Dim> known;
     BlockMask<Dim> saturated;  // known cells at the lower clamp
+    std::array<std::uint32_t, kLayers> layers;
 };
 
 constexpr std::uint32_t kUniform = ~std::uint32_t{0};
@@ -28,14 +36,6 @@ struct Block {
     float uniform = 0;
 };
 
-template <int Dim>
-bool isUniform(const Payload<Dim>& p) {
-    if (!p.known.all()) return false;
-    // Values have no NaN and no -0, so equal values have equal bits.
-    return std::all_of(p.values.begin() + 1, p.values.end(),
-                       [&](float v) { return v == p.values[0]; });
-}
-
 }  // namespace
 
 template <int Dim>
@@ -43,6 +43,7 @@ struct BlockGrid<Dim>::Impl {
     BlockTable<Dim> table;
     std::vector<Block> blocks;
     ChunkedPool<Payload<Dim>, 64> payloads;
+    ChunkedPool<Layer, 64> layers;
     SaturationClamp clamp;
 
     const Block* find(const BlockKey<Dim>& key) const {
@@ -71,20 +72,51 @@ struct BlockGrid<Dim>::Impl {
     /// Payload of a block, made from its uniform value if it has none.
     Payload<Dim>& expand(Block& block) {
         if (block.payload == kUniform) {
-            block.payload = payloads.allocate();
-            Payload<Dim>& p = payloads[block.payload];
-            p.values.fill(block.uniform);
+            const std::uint32_t fresh = payloads.allocate();
+            Payload<Dim>& p = payloads[fresh] = Payload<Dim>{};
+            for (auto& layer : p.layers) {
+                layer = layers.allocate();
+                layers[layer].values.fill(block.uniform);
+            }
             p.known = fullMask<Dim>();
-            p.saturated = clamp.isAt(block.uniform) ? fullMask<Dim>() : BlockMask<Dim>{};
+            if (clamp.isAt(block.uniform)) p.saturated = p.known;
+            block.payload = fresh;
         }
         return payloads[block.payload];
+    }
+
+    /// Values of layer z, made (all unknown) if there are none.
+    float* layer(Payload<Dim>& p, int z) {
+        auto& layer = p.layers[z];
+        if (layer == kNoLayer) {
+            layer = layers.allocate();
+            layers[layer].values.fill(0.0f);
+        }
+        return layers[layer].values.data();
+    }
+
+    /// Value of a known cell.
+    float value(const Payload<Dim>& p, int index) const {
+        return layers[p.layers[index >> 6]].values[index & 63];
+    }
+
+    bool isUniform(const Payload<Dim>& p) const {
+        if (!p.known.all()) return false;
+        // Values have no NaN and no -0, so equal values have equal bits.
+        const float first = value(p, 0);
+        return std::all_of(p.layers.begin(), p.layers.end(), [&](std::uint32_t layer) {
+            const auto& values = layers[layer].values;
+            return std::all_of(values.begin(), values.end(),
+                               [&](float v) { return v == first; });
+        });
     }
 
     /// Gives the payload back if the block has become uniform.
     void collapse(Block& block) {
         const Payload<Dim>& p = payloads[block.payload];
         if (!isUniform(p)) return;
-        block.uniform = p.values[0];
+        block.uniform = value(p, 0);
+        for (const std::uint32_t layer : p.layers) layers.release(layer);
         payloads.release(block.payload);
         block.payload = kUniform;
     }
@@ -95,7 +127,7 @@ struct BlockGrid<Dim>::Impl {
             Payload<Dim>& p = payloads[block.payload];
             p.saturated = {};
             for (int i = 0; i < kBlockCells<Dim>; ++i)
-                if (p.known.test(i) && p.values[i] == lowerClamp) p.saturated.set(i);
+                if (p.known.test(i) && value(p, i) == lowerClamp) p.saturated.set(i);
         }
     }
 
@@ -103,10 +135,10 @@ struct BlockGrid<Dim>::Impl {
         clamp.use(lowerClamp, [&] { rebuildSaturation(lowerClamp); });
     }
 
-    void set(Payload<Dim>& p, int index, float value) {
-        p.values[index] = value;
+    void set(Payload<Dim>& p, int index, float newValue) {
+        layer(p, index >> 6)[index & 63] = newValue;
         p.known.set(index);
-        if (clamp.isAt(value))
+        if (clamp.isAt(newValue))
             p.saturated.set(index);
         else
             p.saturated.reset(index);
@@ -147,23 +179,27 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
         requireAddressableBlock<Dim>(batch.key(b));
     impl_->useClamp(model.min());
 
-    const FoldModel fold(model, policy);
-    const FoldLayers foldLayers = foldLayersForThisCpu();
+    const FoldModel foldModel(model, policy);
+    const FoldVersion& fold = foldForThisCpu();
+    constexpr int kLayers = Payload<Dim>::kLayers;
     for (std::size_t b = 0; b < batch.blockCount(); ++b) {
+        const std::uint8_t* misses = batch.misses(b);
         const std::uint8_t* hits = batch.hits(b);
         Block* block = impl_->find(batch.key(b));
         if (block && block->payload == kUniform && block->uniform == model.min() && !hits)
             continue;  // saturated free: misses change nothing
-        // A new or a uniform block is only worth a payload if a cell is touched.
-        if (!block || block->payload == kUniform) {
-            if (!batch.touched(b).any()) continue;
-            if (!block) block = &impl_->add(batch.key(b));
-        }
+        BlockMask<Dim> touched;
+        fold.touchedCells(kLayers, misses, hits, touched.words.data());
+        if (!touched.any()) continue;
+        if (!block) block = &impl_->add(batch.key(b));
         Payload<Dim>& p = impl_->expand(*block);
-        foldLayers(fold,
-                   {p.values.data(), p.known.words.data(), p.saturated.words.data(),
-                    BlockMask<Dim>::kWords},
-                   batch.misses(b), hits);
+        std::array<float*, kLayers> values;
+        for (int z = 0; z < kLayers; ++z)
+            values[z] = touched.words[z] ? impl_->layer(p, z) : nullptr;
+        fold.foldCounts(foldModel,
+                        {kLayers, values.data(), touched.words.data(), p.known.words.data(),
+                         p.saturated.words.data()},
+                        misses, hits);
         impl_->collapse(*block);
     }
 }
@@ -176,7 +212,7 @@ std::optional<float> BlockGrid<Dim>::logOdds(const Cell<Dim>& cell) const {
     const Payload<Dim>& p = impl_->payloads[block->payload];
     const int i = indexInBlock<Dim>(cell);
     if (!p.known.test(i)) return std::nullopt;
-    return p.values[i];
+    return impl_->value(p, i);
 }
 
 template <int Dim>
@@ -205,16 +241,20 @@ void BlockGrid<Dim>::setBlock(const BlockView<Dim>& view) {
 
 template <int Dim>
 void BlockGrid<Dim>::forEachBlock(const typename OccupancyMap<Dim>::BlockVisitor& visit) const {
-    std::array<float, kBlockCells<Dim>> uniform;
+    std::array<float, kBlockCells<Dim>> values{};
     impl_->table.forEach([&](const BlockKey<Dim>& key, std::uint32_t slot) {
         const Block& block = impl_->blocks[slot];
         if (block.payload == kUniform) {
-            uniform.fill(block.uniform);
-            visit({key, uniform.data(), fullMask<Dim>()});
-        } else {
-            const Payload<Dim>& p = impl_->payloads[block.payload];
-            visit({key, p.values.data(), p.known});
+            values.fill(block.uniform);
+            visit({key, values.data(), fullMask<Dim>()});
+            return;
         }
+        const Payload<Dim>& p = impl_->payloads[block.payload];
+        for (int z = 0; z < Payload<Dim>::kLayers; ++z)
+            if (p.layers[z] != kNoLayer)
+                std::copy_n(impl_->layers[p.layers[z]].values.data(), 64,
+                            values.data() + 64 * z);
+        visit({key, values.data(), p.known});
     });
 }
 
@@ -231,7 +271,8 @@ bool BlockGrid<Dim>::empty() const {
 template <int Dim>
 std::size_t BlockGrid<Dim>::memoryBytes() const {
     return sizeof(Impl) + impl_->table.memoryBytes() +
-           impl_->blocks.capacity() * sizeof(Block) + impl_->payloads.memoryBytes();
+           impl_->blocks.capacity() * sizeof(Block) + impl_->payloads.memoryBytes() +
+           impl_->layers.memoryBytes();
 }
 
 template <int Dim>

@@ -1,118 +1,165 @@
 #include "fold_layers.h"
 
-#include <cstring>
-
 #if defined(__x86_64__) && defined(__GNUC__)
 #define SUPERRAY_X86_VERSIONS 1
+#include <immintrin.h>
 #endif
 
 namespace superray {
 namespace {
 
-/// Bit i of the result is set if byte i is not zero.
-inline __attribute__((always_inline)) std::uint64_t nonZeroBytes(const std::uint8_t* bytes) {
-    std::uint64_t bits = 0;
-    for (int row = 0; row < 8; ++row) {
-        std::uint64_t b = 0;
-        for (int i = 0; i < 8; ++i) b |= std::uint64_t{bytes[8 * row + i]} << (8 * i);
-        // Top bit of each byte: set if the byte is not zero.
-        const std::uint64_t low = 0x7F7F7F7F7F7F7F7Full;
-        const std::uint64_t top = (((b & low) + low) | b) & ~low;
-        // Gathers the eight top bits into one byte.
-        bits |= (((top >> 7) * 0x0102040810204080ull) >> 56) << (8 * row);
+/// One float at a time: every machine.
+namespace portable {
+struct Lanes {
+    using F = float;
+    static constexpr int kCount = 1;
+    static F load(const float* p) { return *p; }
+    static void store(float* p, F v) { *p = v; }
+    static F broadcast(float v) { return v; }
+    static F count(const std::uint8_t* p) { return static_cast<float>(*p); }
+    static F add(F a, F b) { return a + b; }
+    static F mul(F a, F b) { return a * b; }
+    static F max(F a, F b) { return a > b ? a : b; }
+    static F min(F a, F b) { return a < b ? a : b; }
+    static F where0(F c, F a, F b) { return c == 0.0f ? a : b; }
+    static std::uint64_t equalBits(F a, F b) { return a == b; }
+    static std::uint64_t nonZero64(const std::uint8_t* p) {
+        std::uint64_t bits = 0;
+        for (int i = 0; i < 64; ++i) bits |= std::uint64_t{p[i] != 0} << i;
+        return bits;
     }
-    return bits;
-}
-
-/// Plain arrays, so that the compiler vectorises the loop for each target. The
-/// order is miss, clamp, hit, clamp with separate multiplications and additions:
-/// exactly SensorModel::updated().
-template <UpdatePolicy policy>
-inline __attribute__((always_inline)) void foldLayer(const FoldModel& model,
-                                                     const std::uint8_t* __restrict misses,
-                                                     const std::uint8_t* __restrict hits,
-                                                     float* __restrict values,
-                                                     std::uint8_t* __restrict atMin) {
-    constexpr bool once = policy == UpdatePolicy::oncePerScan;
-    for (int i = 0; i < 64; ++i) {
-        const int h = once ? hits[i] != 0 : hits[i];
-        const int m = once ? (misses[i] != 0) & (hits[i] == 0) : misses[i];
-        const float value = values[i];
-        const float missed = value + static_cast<float>(m) * model.miss;
-        const float clampedMissed = missed > model.min ? missed : model.min;
-        const float afterMisses = m != 0 ? clampedMissed : value;
-        const float hit = afterMisses + static_cast<float>(h) * model.hit;
-        const float clampedHit = hit < model.max ? hit : model.max;
-        const float result = h != 0 ? clampedHit : afterMisses;
-        values[i] = result;
-        atMin[i] = result == model.min;
-    }
-}
-
-template <UpdatePolicy policy>
-inline __attribute__((always_inline)) void foldAll(const FoldModel& model, const FoldTarget& t,
-                                                   const std::uint8_t* misses,
-                                                   const std::uint8_t* hits) {
-    alignas(64) static constexpr std::uint8_t kNoHits[64] = {};
-    for (int layer = 0; layer < t.layers; ++layer) {
-        const std::uint8_t* m = misses + 64 * layer;
-        const std::uint8_t* h = hits ? hits + 64 * layer : kNoHits;
-        const std::uint64_t touched = nonZeroBytes(m) | (hits ? nonZeroBytes(h) : 0);
-        if (touched == 0) continue;
-        alignas(64) std::uint8_t atMin[64];
-        foldLayer<policy>(model, m, h, t.values + 64 * layer, atMin);
-        t.known[layer] |= touched;
-        t.saturated[layer] = nonZeroBytes(atMin) & t.known[layer];
-    }
-}
-
-inline __attribute__((always_inline)) void foldEither(const FoldModel& model,
-                                                      const FoldTarget& target,
-                                                      const std::uint8_t* misses,
-                                                      const std::uint8_t* hits) {
-    if (model.policy == UpdatePolicy::everyRay)
-        foldAll<UpdatePolicy::everyRay>(model, target, misses, hits);
-    else
-        foldAll<UpdatePolicy::oncePerScan>(model, target, misses, hits);
-}
-
-void foldPortable(const FoldModel& model, const FoldTarget& target, const std::uint8_t* misses,
-                  const std::uint8_t* hits) {
-    foldEither(model, target, misses, hits);
-}
+};
+#include "fold_kernel.inc"
+}  // namespace portable
 
 #ifdef SUPERRAY_X86_VERSIONS
-__attribute__((target("avx2"))) void foldAvx2(const FoldModel& model, const FoldTarget& target,
-                                              const std::uint8_t* misses,
-                                              const std::uint8_t* hits) {
-    foldEither(model, target, misses, hits);
-}
 
-__attribute__((target("avx512f,avx512bw,avx512vl,avx512dq,prefer-vector-width=512"))) void
-foldAvx512(const FoldModel& model, const FoldTarget& target, const std::uint8_t* misses,
-           const std::uint8_t* hits) {
-    foldEither(model, target, misses, hits);
-}
-#endif
+/// Part of x86-64.
+namespace sse2 {
+struct Lanes {
+    using F = __m128;
+    static constexpr int kCount = 4;
+    static F load(const float* p) { return _mm_loadu_ps(p); }
+    static void store(float* p, F v) { _mm_storeu_ps(p, v); }
+    static F broadcast(float v) { return _mm_set1_ps(v); }
+    static F count(const std::uint8_t* p) {
+        const __m128i zero = _mm_setzero_si128();
+        const __m128i bytes = _mm_loadu_si32(p);
+        return _mm_cvtepi32_ps(_mm_unpacklo_epi16(_mm_unpacklo_epi8(bytes, zero), zero));
+    }
+    static F add(F a, F b) { return _mm_add_ps(a, b); }
+    static F mul(F a, F b) { return _mm_mul_ps(a, b); }
+    static F max(F a, F b) { return _mm_max_ps(a, b); }
+    static F min(F a, F b) { return _mm_min_ps(a, b); }
+    static F where0(F c, F a, F b) {
+        const __m128 isZero = _mm_cmpeq_ps(c, _mm_setzero_ps());
+        return _mm_or_ps(_mm_and_ps(isZero, a), _mm_andnot_ps(isZero, b));
+    }
+    static std::uint64_t equalBits(F a, F b) {
+        return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpeq_ps(a, b)));
+    }
+    static std::uint64_t nonZero64(const std::uint8_t* p) {
+        std::uint64_t zeros = 0;
+        for (int i = 0; i < 64; i += 16) {
+            const __m128i bytes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(p + i));
+            const int bits = _mm_movemask_epi8(_mm_cmpeq_epi8(bytes, _mm_setzero_si128()));
+            zeros |= std::uint64_t{static_cast<unsigned>(bits)} << i;
+        }
+        return ~zeros;
+    }
+};
+#include "fold_kernel.inc"
+}  // namespace sse2
+
+#pragma GCC push_options
+#pragma GCC target("avx2")
+namespace avx2 {
+struct Lanes {
+    using F = __m256;
+    static constexpr int kCount = 8;
+    static F load(const float* p) { return _mm256_loadu_ps(p); }
+    static void store(float* p, F v) { _mm256_storeu_ps(p, v); }
+    static F broadcast(float v) { return _mm256_set1_ps(v); }
+    static F count(const std::uint8_t* p) {
+        return _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadu_si64(p)));
+    }
+    static F add(F a, F b) { return _mm256_add_ps(a, b); }
+    static F mul(F a, F b) { return _mm256_mul_ps(a, b); }
+    static F max(F a, F b) { return _mm256_max_ps(a, b); }
+    static F min(F a, F b) { return _mm256_min_ps(a, b); }
+    static F where0(F c, F a, F b) {
+        return _mm256_blendv_ps(b, a, _mm256_cmp_ps(c, _mm256_setzero_ps(), _CMP_EQ_OQ));
+    }
+    static std::uint64_t equalBits(F a, F b) {
+        return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_EQ_OQ)));
+    }
+    static std::uint64_t nonZero64(const std::uint8_t* p) {
+        std::uint64_t zeros = 0;
+        for (int i = 0; i < 64; i += 32) {
+            const __m256i bytes = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p + i));
+            const int bits =
+                _mm256_movemask_epi8(_mm256_cmpeq_epi8(bytes, _mm256_setzero_si256()));
+            zeros |= std::uint64_t{static_cast<unsigned>(bits)} << i;
+        }
+        return ~zeros;
+    }
+};
+#include "fold_kernel.inc"
+}  // namespace avx2
+#pragma GCC pop_options
+
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512bw")
+namespace avx512 {
+struct Lanes {
+    using F = __m512;
+    static constexpr int kCount = 16;
+    static F load(const float* p) { return _mm512_loadu_ps(p); }
+    static void store(float* p, F v) { _mm512_storeu_ps(p, v); }
+    static F broadcast(float v) { return _mm512_set1_ps(v); }
+    static F count(const std::uint8_t* p) {
+        const __m128i bytes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
+        return _mm512_cvtepi32_ps(_mm512_cvtepu8_epi32(bytes));
+    }
+    static F add(F a, F b) { return _mm512_add_ps(a, b); }
+    static F mul(F a, F b) { return _mm512_mul_ps(a, b); }
+    static F max(F a, F b) { return _mm512_max_ps(a, b); }
+    static F min(F a, F b) { return _mm512_min_ps(a, b); }
+    static F where0(F c, F a, F b) {
+        return _mm512_mask_blend_ps(_mm512_cmp_ps_mask(c, _mm512_setzero_ps(), _CMP_EQ_OQ), b,
+                                    a);
+    }
+    static std::uint64_t equalBits(F a, F b) { return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ); }
+    static std::uint64_t nonZero64(const std::uint8_t* p) {
+        const __m512i bytes = _mm512_loadu_si512(p);
+        return _mm512_test_epi8_mask(bytes, bytes);
+    }
+};
+#include "fold_kernel.inc"
+}  // namespace avx512
+#pragma GCC pop_options
+
+#endif  // SUPERRAY_X86_VERSIONS
 
 }  // namespace
 
-int foldVersions(FoldVersion (&versions)[3]) {
+int foldVersions(FoldVersion (&versions)[kMaxFoldVersions]) {
     int n = 0;
-    versions[n++] = {"portable", foldPortable};
+    versions[n++] = {"portable", portable::touchedCells, portable::foldCounts};
 #ifdef SUPERRAY_X86_VERSIONS
-    if (__builtin_cpu_supports("avx2")) versions[n++] = {"avx2", foldAvx2};
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-        __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
-        versions[n++] = {"avx512", foldAvx512};
+    versions[n++] = {"sse2", sse2::touchedCells, sse2::foldCounts};
+    if (__builtin_cpu_supports("avx2"))
+        versions[n++] = {"avx2", avx2::touchedCells, avx2::foldCounts};
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw"))
+        versions[n++] = {"avx512", avx512::touchedCells, avx512::foldCounts};
 #endif
     return n;
 }
 
-FoldLayers foldLayersForThisCpu() {
-    static const FoldLayers fastest = [] {
-        FoldVersion versions[3];
-        return versions[foldVersions(versions) - 1].fold;
+const FoldVersion& foldForThisCpu() {
+    static const FoldVersion fastest = [] {
+        FoldVersion versions[kMaxFoldVersions];
+        return versions[foldVersions(versions) - 1];
     }();
     return fastest;
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// \file fold_layers.h
-/// The inner loop of every storage: counts folded into the cells of a block.
+/// The inner loop of the block grid: counts folded into the cells of a block,
+/// in layers of 64 cells (one BlockMask word each).
 
 #include <superray/core/block.h>
 #include <superray/core/sensor_model.h>
@@ -15,28 +16,31 @@ struct FoldModel {
     UpdatePolicy policy;
 };
 
-/// Cells of `layers` runs of 64 (one BlockMask word each).
+/// A block; arrays have one entry per layer.
 struct FoldTarget {
-    float* values;             ///< 0 where not known
-    std::uint64_t* known;      ///< cells that are touched become known
-    std::uint64_t* saturated;  ///< known cells whose value equals the lower clamp
     int layers;
+    float* const* values;          ///< 64 per touched layer, 0 where not known
+    const std::uint64_t* touched;  ///< cells with a count
+    std::uint64_t* known;          ///< touched cells become known
+    std::uint64_t* saturated;      ///< known cells whose value equals the lower clamp
 };
 
-/// value = SensorModel::updated(value, misses, hits) for every touched cell,
-/// bit for bit; `saturated` is renewed in layers that are touched.
-/// \param misses 64 counts per layer
-/// \param hits the same, or nullptr for none
-using FoldLayers = void (*)(const FoldModel& model, const FoldTarget& target,
-                            const std::uint8_t* misses, const std::uint8_t* hits);
-
-/// The fastest version for this CPU.
-FoldLayers foldLayersForThisCpu();
-/// Every version this CPU can run, slowest first (tests hold them equal).
+/// The loop for one instruction set.
 struct FoldVersion {
     const char* name;
-    FoldLayers fold;
+    /// Cells with a miss or a hit. \param hits nullptr for none
+    void (*touchedCells)(int layers, const std::uint8_t* misses, const std::uint8_t* hits,
+                         std::uint64_t* touched);
+    /// value = SensorModel::updated(value, misses, hits) for every touched cell,
+    /// bit for bit.
+    void (*foldCounts)(const FoldModel& model, const FoldTarget& target,
+                       const std::uint8_t* misses, const std::uint8_t* hits);
 };
-int foldVersions(FoldVersion (&versions)[3]);  ///< \return how many
+
+/// The fastest version for this CPU.
+const FoldVersion& foldForThisCpu();
+/// Every version this CPU can run, slowest first (tests hold them equal).
+inline constexpr int kMaxFoldVersions = 4;
+int foldVersions(FoldVersion (&versions)[kMaxFoldVersions]);  ///< \return how many
 
 }  // namespace superray
