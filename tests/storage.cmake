@@ -13,3 +13,5 @@ superray_add_test(storage_map_file_test SOURCES storage/map_file_test.cpp
                   LIBS superray::storage ZLIB::ZLIB)
 superray_add_test(storage_map_file_fuzz_test SOURCES storage/map_file_fuzz_test.cpp
                   LIBS superray::storage ZLIB::ZLIB)
+superray_add_test(storage_map_file_versions_test SOURCES storage/map_file_versions_test.cpp
+                  LIBS superray::storage ZLIB::ZLIB)

@@ -2,6 +2,7 @@
 
 #include "storage/storage_test_tools.h"
 
+#include <future>
 #include <limits>
 #include <stdexcept>
 #include <typeinfo>
@@ -94,6 +95,22 @@ TYPED_TEST(OccupancyMapContract, ChangedSensorModelIsFollowed) {
     this->applyRandomScans(5);
     EXPECT_TRUE(equalsOracle<Dim>(this->map, this->oracle));
     EXPECT_TRUE(saturationEquals<Dim>(this->map, this->oracle, this->model.min()));
+}
+
+// The bits for a new clamp are built on the first question: by one of the readers.
+TYPED_TEST(OccupancyMapContract, ConcurrentReadersAgree) {
+    constexpr int Dim = TypeParam::Dim;
+    this->applyRandomScans(10);
+    const OccupancyMap<Dim>& shared = this->map;
+    const Cells<Dim>& cells = this->oracle;
+    const float clamp = this->model.max();  // not the one of the last apply()
+    std::array<std::future<bool>, 4> readers;
+    for (auto& reader : readers)
+        reader = std::async(std::launch::async, [&] {
+            return bool(saturationEquals<Dim>(shared, cells, clamp)) &&
+                   bool(equalsOracle<Dim>(shared, cells));
+        });
+    for (auto& reader : readers) EXPECT_TRUE(reader.get());
 }
 
 TYPED_TEST(OccupancyMapContract, BlockWithoutTouchedCellsLeavesNoTrace) {

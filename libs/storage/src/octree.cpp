@@ -34,7 +34,19 @@ class OcTreeNodes final : public octomap::OcTree {
     static void setValue(Node n, float v) { n->setLogOdds(v); }
     void expand(Node n) { expandNode(n); }
     void settle(Node n) {
-        if (!pruneNode(n)) n->updateOccupancyChildren();
+        // As pruneNode() and updateOccupancyChildren(), in one visit.
+        bool same = true;
+        float highest = std::numeric_limits<float>::lowest();
+        for (int i = 0; i < 8; ++i) {
+            const Node c = child(n, i);
+            if (c == kNull) {
+                same = false;
+                continue;
+            }
+            same = same && !hasChildren(c) && (i == 0 || value(c) == highest);
+            highest = std::max(highest, value(c));
+        }
+        if (!same || !pruneNode(n)) setValue(n, highest);
     }
 
     void swapWith(OcTreeNodes& o) {

@@ -2,6 +2,7 @@
 /// \file tree_storage.h
 /// All that Octree and Quadtree do, over the nodes of either.
 
+#include "fold_layers.h"
 #include "saturated_blocks.h"
 #include "tree_update.h"
 
@@ -35,16 +36,18 @@ class TreeStorage {
             blocks[b] = {mortonOf<Dim>(batch.key(b)), b};
         std::sort(blocks.begin(), blocks.end());
 
+        const FoldVersion& fold = foldForThisCpu();
         TreeWriter<Nodes> writer(nodes);
         for (const auto& [morton, b] : blocks) {
             const std::uint8_t* misses = batch.misses(b);
             const std::uint8_t* hits = batch.hits(b);
             const BlockMask<Dim>* before = saturated.find(batch.key(b));
             if (before && before->all() && !hits) continue;  // misses change nothing
-            write(writer, batch.key(b), morton, batch.touched(b), before,
-                  [&](int i, float value) {
-                      return model.updated(value, misses[i], hits ? hits[i] : 0u, policy);
-                  });
+            BlockMask<Dim> touched;
+            fold.touchedCells(BlockMask<Dim>::kWords, misses, hits, touched.words.data());
+            write(writer, batch.key(b), morton, touched, before, [&](int i, float value) {
+                return model.updated(value, misses[i], hits ? hits[i] : 0u, policy);
+            });
         }
     }
 
