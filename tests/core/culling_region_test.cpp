@@ -69,15 +69,21 @@ TYPED_TEST(CullingRegionOf, EqualsItsDefinition) {
         });
         std::unordered_map<Cell<Dim>, bool, IndexHash> expected;
         for (const Cell<Dim>& x : all) {
-            bool in = saturated[blockOf<Dim>(x)].test(indexInBlock<Dim>(x));
-            for (int a = 0; a < Dim && in; ++a) {
+            bool enclosed = true;
+            for (int a = 0; a < Dim && enclosed; ++a) {
                 if (x[a] == sensor[a]) continue;
                 Cell<Dim> nearer = x;
                 nearer[a] += x[a] > sensor[a] ? -1 : 1;
-                in = expected[nearer];
+                enclosed = expected[nearer];
             }
+            const bool in = enclosed && saturated[blockOf<Dim>(x)].test(indexInBlock<Dim>(x));
             expected[x] = in;
             ASSERT_EQ(region.contains(x), in);
+            const BlockMask<Dim>* mask = region.enclosed(blockOf<Dim>(x));
+            // An empty region encloses nothing worth knowing.
+            if (!region.empty()) {
+                ASSERT_EQ(mask != nullptr && mask->test(indexInBlock<Dim>(x)), enclosed);
+            }
             ++cells;
             inside += in;
         }

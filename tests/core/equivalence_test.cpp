@@ -102,7 +102,7 @@ TYPED_TEST(Equivalence, AllMethodsGiveTheReferenceMap) {
         }
     }
     EXPECT_GE(rays, 100000u);
-    EXPECT_EQ(rays, 2u * 5 * kScans * kRays);
+    EXPECT_EQ(rays, 2u * 6 * kScans * kRays);
     EXPECT_GT(culled, 10000u);
     EXPECT_GT(merged, 1000u);
 }

@@ -24,9 +24,9 @@ Point<Dim> uniformPoint(Random& random, double radius) {
     return p;
 }
 
-enum class Scene { uniform, clustered, gridAligned, nearby, wall };
+enum class Scene { uniform, clustered, gridAligned, nearby, wall, patch };
 inline constexpr Scene kScenes[] = {Scene::uniform, Scene::clustered, Scene::gridAligned,
-                                    Scene::nearby, Scene::wall};
+                                    Scene::nearby,  Scene::wall,      Scene::patch};
 
 /// A scan of `count` rays.
 /// - uniform: end points anywhere
@@ -34,7 +34,8 @@ inline constexpr Scene kScenes[] = {Scene::uniform, Scene::clustered, Scene::gri
 /// - gridAligned: sensor and end points on faces, edges and corners of cells;
 ///   axis-aligned and diagonal rays, zero-length ones
 /// - nearby: end points in the sensor's cell and its neighbours
-/// - wall: a plane seen from far (a depth image), in image order
+/// - wall: a plane seen from far
+/// - patch: a small piece of it, with a hundred points per cell (a depth image)
 template <int Dim>
 RayBundle<Dim> makeScan(Scene scene, Random& random, const CellGeometry<Dim>& g, int count) {
     const double r = g.resolution();
@@ -87,6 +88,10 @@ RayBundle<Dim> makeScan(Scene scene, Random& random, const CellGeometry<Dim>& g,
             }
             case Scene::nearby:
                 end = origin + uniformPoint<Dim>(random, 1.5 * r);
+                break;
+            case Scene::patch:
+                end = origin + uniformPoint<Dim>(random, 1.5 * r);
+                end[wallAxis] = origin[wallAxis] + wallAt + uniform(random, 0, 0.4 * r);
                 break;
             case Scene::wall:
                 end = origin + uniformPoint<Dim>(random, 0.8 * wallAt);

@@ -18,7 +18,8 @@ template <int Dim>
 std::vector<Cell<Dim>> freeCells(const CellGeometry<Dim>& g, const Point<Dim>& o,
                                  const Point<Dim>& e, std::int32_t firstSlice = 0) {
     std::vector<Cell<Dim>> cells;
-    forEachFreeCell(RayLine<Dim>(g, o, e), firstSlice,
+    const RayLine<Dim> line(g, o, e);
+    forEachFreeCell(line, firstSlice, line.slices(),
                     [&](const Cell<Dim>& c) { cells.push_back(c); });
     return cells;
 }
@@ -137,7 +138,7 @@ TYPED_TEST(RayLineWalk, IsConnectedExactAndStartsAnywhere) {
             }
         }
     }
-    EXPECT_EQ(rays, 20 * 5 * 100);
+    EXPECT_EQ(rays, 20 * 6 * 100);
 }
 
 TYPED_TEST(RayLineWalk, LongestRaysStayWithinAGraze) {

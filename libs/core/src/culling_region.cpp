@@ -33,9 +33,10 @@ void setRow(BlockMask<Dim>& m, int row, Row bits) {
 
 template <int Dim>
 struct CullingRegion<Dim>::Impl {
-    BlockDirectory<Dim> directory;  // block -> 1 + index into masks
-    std::vector<BlockMask<Dim>> masks;
-    std::vector<BlockKey<Dim>> queue;  // parallel to masks, nearest first
+    BlockDirectory<Dim> directory;         // block -> 1 + index into masks
+    std::vector<BlockMask<Dim>> masks;     // the region
+    std::vector<BlockMask<Dim>> enclosed;  // cells with all nearer neighbours in it
+    std::vector<BlockKey<Dim>> queue;      // parallel to both, nearest first
 
     const BlockMask<Dim>* mask(const BlockKey<Dim>& key) const {
         const std::uint32_t n = directory.number(key);
@@ -45,6 +46,7 @@ struct CullingRegion<Dim>::Impl {
         if (!directory.box().contains(key) || directory.number(key) != 0) return;
         queue.push_back(key);
         masks.emplace_back();
+        enclosed.emplace_back();
         directory.setNumber(key, static_cast<std::uint32_t>(masks.size()));
     }
 };
@@ -62,6 +64,7 @@ template <int Dim>
 void CullingRegion<Dim>::clear() {
     cells_ = 0;
     impl_->masks.clear();
+    impl_->enclosed.clear();
     impl_->queue.clear();
 }
 
@@ -80,7 +83,7 @@ void CullingRegion<Dim>::build(const Cell<Dim>& sensor, const Cell<Dim>& lowest,
     for (std::size_t next = 0; next < impl.queue.size(); ++next) {
         const BlockKey<Dim> key = impl.queue[next];
         const BlockMask<Dim>* saturated = saturation(key);
-        if (saturated == nullptr) continue;
+        if (saturated == nullptr) saturated = &kNone;
 
         // Per axis: +1 if the block lies above the sensor's block, -1 below,
         // 0 beside it; then rows on both sides of the sensor's own occur.
@@ -97,7 +100,7 @@ void CullingRegion<Dim>::build(const Cell<Dim>& sensor, const Cell<Dim>& lowest,
         std::array<int, 3> at{};  // the sensor inside its block
         for (int a = 0; a < Dim; ++a) at[a] = sensor[a] & (kBlockEdge - 1);
 
-        BlockMask<Dim> region;
+        BlockMask<Dim> region, enclosed;
         // Rows in an order in which each comes after its inward neighbours:
         // distance 0 .. 7 from the inward end, or outwards from the sensor.
         const auto coordinate = [&](int axis, int i) {
@@ -111,31 +114,42 @@ void CullingRegion<Dim>::build(const Cell<Dim>& sensor, const Cell<Dim>& lowest,
             c[1] = coordinate(1, r & (kBlockEdge - 1));
             if (Dim == 3) c[2] = coordinate(2, r >> kBlockBits);
             const int row = c[1] + (Dim == 3 ? kBlockEdge * c[2] : 0);
-            Row open = rowOf<Dim>(*saturated, row);
-            for (int a = 1; a < Dim && open != 0; ++a) {
+            // Cells whose nearer neighbours along y and z are in the region ...
+            Row inside = kFullRow;
+            for (int a = 1; a < Dim; ++a) {
                 const int pitch = a == 1 ? 1 : kBlockEdge;
                 const int step = side[a] != 0 ? side[a] : (c[a] > at[a]) - (c[a] < at[a]);
                 if (step == 0) continue;
                 const int inner = c[a] - step;
                 if (inner >= 0 && inner < kBlockEdge)
-                    open &= rowOf<Dim>(region, row - step * pitch);
+                    inside &= rowOf<Dim>(region, row - step * pitch);
                 else  // the facing row of the inward block
-                    open &= rowOf<Dim>(*inward[a], row + step * (kBlockEdge - 1) * pitch);
+                    inside &= rowOf<Dim>(*inward[a], row + step * (kBlockEdge - 1) * pitch);
             }
-            if (open == 0) continue;
+            if (inside == 0) continue;
+            // ... and along x: the region is the run of saturated ones from the
+            // sensor's side; a cell is enclosed if its nearer neighbour is in it.
+            Row run = inside & rowOf<Dim>(*saturated, row);
             if (side[0] > 0) {
-                open = rowOf<Dim>(*inward[0], row) >> 7 ? upwardRun(open) : 0;
+                const Row carry = rowOf<Dim>(*inward[0], row) >> 7;
+                run = carry != 0 ? upwardRun(run) : 0;
+                inside &= run << 1 | carry;
             } else if (side[0] < 0) {
-                open = rowOf<Dim>(*inward[0], row) & 1 ? downwardRun(open) : 0;
-            } else if ((open >> at[0] & 1) == 0) {
-                open = 0;
+                const Row carry = rowOf<Dim>(*inward[0], row) & 1;
+                run = carry != 0 ? downwardRun(run) : 0;
+                inside &= run >> 1 | carry << 7;
             } else {
-                const Row below = (Row{1} << at[0]) - 1;
-                open =
-                    (upwardRun(open | below) & ~below) | (downwardRun(open | ~below) & below);
+                const Row own = Row{1} << at[0], below = own - 1;
+                const Row above = kFullRow & ~(own | below);
+                run = (run & own) == 0 ? 0
+                                       : (upwardRun(run | below) & ~below) |
+                                             (downwardRun(run | above | own) & below);
+                inside &= own | (run << 1 & above) | (run >> 1 & below);
             }
-            setRow<Dim>(region, row, open);
+            setRow<Dim>(region, row, run);
+            setRow<Dim>(enclosed, row, inside);
         }
+        impl.enclosed[next] = enclosed;
         if (!region.any()) continue;
         cells_ += static_cast<std::uint64_t>(region.count());
         impl.masks[next] = region;
@@ -157,6 +171,13 @@ bool CullingRegion<Dim>::contains(const Cell<Dim>& cell) const {
     if (!impl_->directory.box().contains(key)) return false;
     const BlockMask<Dim>* mask = impl_->mask(key);
     return mask != nullptr && mask->test(indexInBlock<Dim>(cell));
+}
+
+template <int Dim>
+const BlockMask<Dim>* CullingRegion<Dim>::enclosed(const BlockKey<Dim>& key) const {
+    if (cells_ == 0 || !impl_->directory.box().contains(key)) return nullptr;
+    const std::uint32_t n = impl_->directory.number(key);
+    return n == 0 ? nullptr : &impl_->enclosed[n - 1];
 }
 
 template <int Dim>

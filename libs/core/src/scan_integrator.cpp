@@ -7,7 +7,9 @@
 #include <stdexcept>
 #include <thread>
 
-#include "walk_kernel.h"
+#include "end_cells.h"
+#include "ray_walker.h"
+#include "saturation_snapshot.h"
 
 namespace superray {
 namespace {
@@ -32,53 +34,56 @@ template <int Dim>
 struct Extent {
     Cell<Dim> lowest, highest;
     explicit Extent(const RayBundle<Dim>& rays) {
-        lowest.fill(kCellLimit);
-        highest.fill(-kCellLimit - 1);
+        Point<Dim> low = rays.origin(0), high = low;
         const auto include = [&](const Point<Dim>& p) {
-            const Cell<Dim> c = rays.geometry().cellOf(p);
-            for (int a = 0; a < Dim; ++a) {
-                lowest[a] = std::min(lowest[a], c[a]);
-                highest[a] = std::max(highest[a], c[a]);
-            }
+            low = low.cwiseMin(p);
+            high = high.cwiseMax(p);
         };
-        include(rays.origin(0));
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            include(rays.end(i));
-            if (!rays.hasCommonOrigin()) include(rays.origin(i));
-        }
+        for (std::size_t i = 0; i < rays.size(); ++i) include(rays.end(i));
+        if (!rays.hasCommonOrigin())
+            for (std::size_t i = 0; i < rays.size(); ++i) include(rays.origin(i));
+        lowest = rays.geometry().cellOf(low);
+        highest = rays.geometry().cellOf(high);
     }
     BlockBox<Dim> blocks() const { return {blockOf<Dim>(lowest), blockOf<Dim>(highest)}; }
 };
 
-/// Addresses gathered before they are counted: enough to keep the counting
-/// loop free of mispredictions, few enough to stay in the L1 cache.
-constexpr std::size_t kFlushAt = 2048;
+/// Rays to one end cell: EndCells::order()[begin .. end), of which each
+/// `every`-th is the selection that is walked first.
+struct RayGroup {
+    std::uint32_t begin, end, every;
+};
+enum class PartOfGroup { selection, rest };
 
-/// Walks rays[begin, end) into `state`.
+/// One thread's part of a scan.
 template <int Dim>
-void walkRays(WalkState<Dim>& state, const RayBundle<Dim>& bundle, const SuperRay* begin,
-              const SuperRay* end, const CullingRegion<Dim>& region, std::uint64_t& culled) {
-    static const WalkKernel<Dim> best = bestWalkKernel<Dim>();
-    const WalkKernel<Dim> kernel = state.directory.dense() ? best : walkPortable<Dim>;
-    std::uint32_t weight = 1;
-    std::int32_t firstSlice = 0;
-    for (const SuperRay* s = begin; s != end; ++s) {
-        const RayLine<Dim> line(bundle.geometry(), bundle.origin(s->ray), bundle.end(s->ray));
-        if (bundle.kind(s->ray) == RayEnd::hit) state.hit(line.endCell(), s->weight);
-        if (s->weight != weight || state.addresses.size() >= kFlushAt) {
-            state.flush(weight);
-            weight = s->weight;
+struct Share {
+    EndCells<Dim> ends;  // of its rays
+    std::vector<RayGroup> deferred;
+    std::uint64_t culled = 0;
+};
+
+/// From this many rays per end cell on, the end cells themselves are worth a
+/// look (measured: depth images have hundreds, spinning lidars 1 to 3).
+constexpr std::size_t kDenseRaysPerEndCell = 8;
+
+/// Runs work(share) for each share, the first in this thread.
+template <typename Work>
+void inParallel(std::size_t shares, const Work& work) {
+    std::vector<std::exception_ptr> failures(shares);
+    const auto guarded = [&](std::size_t share) {
+        try {
+            work(share);
+        } catch (...) {
+            failures[share] = std::current_exception();
         }
-        state.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
-        if (region.empty() || line.startCell() != region.sensor()) {
-            kernel(state, line, 0);
-        } else {
-            firstSlice = region.firstSliceToWalk(line, firstSlice);
-            culled += firstSlice > 0;
-            kernel(state, line, firstSlice);
-        }
-    }
-    state.flush(weight);
+    };
+    std::vector<std::thread> threads;
+    for (std::size_t share = 1; share < shares; ++share) threads.emplace_back(guarded, share);
+    guarded(0);
+    for (std::thread& t : threads) t.join();
+    for (const std::exception_ptr& failure : failures)
+        if (failure) std::rethrow_exception(failure);
 }
 
 /// Adds the counts of `from` to `to`. Saturating addition is associative and
@@ -153,9 +158,18 @@ template <int Dim>
 struct ScanIntegrator<Dim>::Impl {
     SuperRayGrouper<Dim> grouper;
     CullingRegion<Dim> region;
-    std::vector<WalkState<Dim>> states{1};  // one per thread
-    std::vector<SuperRay> single;           // every ray alone
+    SaturationSnapshot<Dim> snapshot;
+    std::vector<WalkState<Dim>> states{1};  // one per share
+    std::vector<Share<Dim>> shares{1};
+    std::size_t shareCount = 1;
     ScanStatistics statistics;
+
+    void walkSuperRays(const RayBundle<Dim>& rays, const std::vector<SuperRay>& superRays);
+    void walkEach(const RayBundle<Dim>& rays);
+    std::size_t walkSelection(const RayBundle<Dim>& rays, std::uint32_t walkedPerEndCell);
+    void walkDeferred(const RayBundle<Dim>& rays);
+    bool walkGroup(RayWalker<Dim>& walker, Share<Dim>& share, const RayBundle<Dim>& rays,
+                   const RayGroup& group, PartOfGroup part) const;
 };
 
 template <int Dim>
@@ -198,61 +212,163 @@ const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& ray
     const bool grouping = method == Method::superRays || method == Method::full;
     const bool culling =
         method == Method::culling || method == Method::full || method == Method::automatic;
+    // Shares large enough to repay a thread.
+    const std::size_t shares = impl.shareCount =
+        std::max<std::size_t>(1, std::min<std::size_t>(options.threads, rays.size() / 256));
+    if (impl.states.size() < shares) {
+        impl.states.resize(shares);
+        impl.shares.resize(shares);
+    }
 
     Stopwatch watch;
-    const std::vector<SuperRay>* walked = &impl.single;
-    if (grouping) {
-        walked = &impl.grouper.group(rays, options.superRayThreshold);
-    } else {
-        for (std::size_t i = impl.single.size(); i < rays.size(); ++i)
-            impl.single.push_back({static_cast<std::uint32_t>(i), 1});
-        impl.single.resize(rays.size());
-    }
-    statistics.superRays = walked->size();
+    const std::vector<SuperRay>* superRays = nullptr;
+    if (grouping) superRays = &impl.grouper.group(rays, options.superRayThreshold);
+    statistics.superRays = grouping ? superRays->size() : rays.size();
+    inParallel(shares, [&](std::size_t s) {
+        impl.states[s].reset(extent.blocks());
+        impl.shares[s].ends.assign(rays, rays.size() * s / shares,
+                                   rays.size() * (s + 1) / shares, extent.blocks());
+        impl.shares[s].deferred.clear();
+        impl.shares[s].culled = 0;
+    });
     statistics.superRaySeconds = watch.lap();
 
-    if (culling && map != nullptr) {
+    std::size_t endCells = 0;
+    for (std::size_t s = 0; s < shares; ++s) endCells += impl.shares[s].ends.distinct();
+    const bool dense = method == Method::automatic && rays.hasCommonOrigin() &&
+                       rays.size() > kDenseRaysPerEndCell * endCells;
+
+    impl.region.clear();
+    if (dense) {
+        impl.snapshot.assign(extent.blocks(), map, model.min());
+    } else if (culling && map != nullptr) {
         const auto saturated = [&](const BlockKey<Dim>& key) {
             return map->saturatedFree(key, model.min());
         };
         impl.region.build(rays.geometry().cellOf(rays.commonOrigin()), extent.lowest,
                           extent.highest, saturated);
-    } else {
-        impl.region.clear();
     }
-    statistics.cullingCells = impl.region.cellCount();
     statistics.cullingSeconds = watch.lap();
 
-    // Shares large enough to repay a thread.
-    const std::size_t shares =
-        std::max<std::size_t>(1, std::min<std::size_t>(options.threads, walked->size() / 64));
-    if (impl.states.size() < shares) impl.states.resize(shares);
-    std::vector<std::uint64_t> culled(shares, 0);
-    std::vector<std::exception_ptr> failures(shares);
-    const auto walkShare = [&](std::size_t share) {
-        try {
-            const SuperRay* all = walked->data();
-            impl.states[share].reset(extent.blocks());
-            walkRays(impl.states[share], rays, all + walked->size() * share / shares,
-                     all + walked->size() * (share + 1) / shares, impl.region, culled[share]);
-        } catch (...) {
-            failures[share] = std::current_exception();
-        }
-    };
-    std::vector<std::thread> threads;
-    for (std::size_t share = 1; share < shares; ++share) threads.emplace_back(walkShare, share);
-    walkShare(0);
-    for (std::thread& t : threads) t.join();
-    for (const std::exception_ptr& failure : failures)
-        if (failure) std::rethrow_exception(failure);
-    for (std::size_t share = 1; share < shares; ++share)
-        mergeInto(impl.states[0], impl.states[share]);
-
-    statistics.traversalSeconds = watch.lap();
-    for (std::uint64_t c : culled) statistics.raysCulled += c;
+    if (grouping) {
+        impl.walkSuperRays(rays, *superRays);
+    } else if (!dense) {
+        impl.walkEach(rays);
+    } else {
+        // Misses of this scan after which more change nothing.
+        const std::uint32_t enough =
+            options.policy == UpdatePolicy::oncePerScan ? 1 : model.missesToSaturate();
+        const std::size_t deferred = impl.walkSelection(rays, 2 * enough);
+        statistics.traversalSeconds = watch.lap();
+        if (deferred > 0)
+            for (std::size_t s = 0; s < shares; ++s) impl.snapshot.add(impl.states[s], enough);
+        statistics.cullingSeconds += watch.lap();
+        if (deferred > 0) impl.walkDeferred(rays);
+    }
+    statistics.cullingCells = impl.region.cellCount();
+    for (std::size_t s = 0; s < shares; ++s) {
+        impl.shares[s].ends.addHits(impl.states[s]);
+        statistics.raysCulled += impl.shares[s].culled;
+        if (s > 0) mergeInto(impl.states[0], impl.states[s]);
+    }
+    statistics.traversalSeconds += watch.lap();
     statistics.traversedCells = impl.states[0].traversed;
     statistics.touchedBlocks = impl.states[0].batch.blockCount();
     return impl.states[0].batch;
+}
+
+template <int Dim>
+void ScanIntegrator<Dim>::Impl::walkSuperRays(const RayBundle<Dim>& rays,
+                                              const std::vector<SuperRay>& superRays) {
+    inParallel(shareCount, [&](std::size_t s) {
+        RayWalker<Dim> walker(states[s], rays, region);
+        const std::size_t end = superRays.size() * (s + 1) / shareCount;
+        for (std::size_t i = superRays.size() * s / shareCount; i < end; ++i)
+            walker.walk(superRays[i].ray, superRays[i].weight);
+        shares[s].culled = walker.culled();
+    });
+}
+
+/// Walks every ray on its own, but not those whose end cell the region
+/// encloses.
+template <int Dim>
+void ScanIntegrator<Dim>::Impl::walkEach(const RayBundle<Dim>& rays) {
+    inParallel(shareCount, [&](std::size_t s) {
+        Share<Dim>& share = shares[s];
+        const bool culling = !region.empty() && rays.hasCommonOrigin();
+        if (culling) share.ends.findEnclosed(region);
+        RayWalker<Dim> walker(states[s], rays, region);
+        const std::size_t end = rays.size() * (s + 1) / shareCount;
+        for (std::size_t i = rays.size() * s / shareCount; i < end; ++i) {
+            if (culling && share.ends.enclosed(i))
+                ++share.culled;
+            else
+                walker.walk(i, 1);
+        }
+        share.culled += walker.culled();
+    });
+}
+
+/// For scans with many rays per end cell. Rays to an end cell walk only the
+/// slices in which their frustum has unsaturated cells; and of far more rays
+/// than `walkedPerEndCell`, an even selection of about that many, which
+/// saturates nearly all cells on the way: the others are deferred.
+/// \return number of deferred rays
+template <int Dim>
+std::size_t ScanIntegrator<Dim>::Impl::walkSelection(const RayBundle<Dim>& rays,
+                                                     std::uint32_t walkedPerEndCell) {
+    std::vector<std::size_t> deferred(shareCount, 0);
+    inParallel(shareCount, [&](std::size_t s) {
+        Share<Dim>& share = shares[s];
+        share.ends.sortByEndCell();
+        const std::vector<std::uint32_t>& starts = share.ends.starts();
+        RayWalker<Dim> walker(states[s], rays, region);
+        for (std::size_t g = 0; g + 1 < starts.size(); ++g) {
+            const std::uint32_t count = starts[g + 1] - starts[g];
+            const std::uint32_t every = std::max(1u, count / walkedPerEndCell);
+            const RayGroup group{starts[g], starts[g + 1], every};
+            const bool more = walkGroup(walker, share, rays, group, PartOfGroup::selection);
+            if (!more || every == 1) continue;
+            share.deferred.push_back(group);
+            deferred[s] += count - (count + every - 1) / every;
+        }
+    });
+    std::size_t sum = 0;
+    for (std::size_t d : deferred) sum += d;
+    return sum;
+}
+
+template <int Dim>
+void ScanIntegrator<Dim>::Impl::walkDeferred(const RayBundle<Dim>& rays) {
+    inParallel(shareCount, [&](std::size_t s) {
+        RayWalker<Dim> walker(states[s], rays, region);
+        for (const RayGroup& group : shares[s].deferred)
+            walkGroup(walker, shares[s], rays, group, PartOfGroup::rest);
+    });
+}
+
+/// Walks a part of a group in the slices where its frustum is not saturated.
+/// \return false if there are none (the whole group is done)
+template <int Dim>
+bool ScanIntegrator<Dim>::Impl::walkGroup(RayWalker<Dim>& walker, Share<Dim>& share,
+                                          const RayBundle<Dim>& rays, const RayGroup& group,
+                                          PartOfGroup part) const {
+    const CellGeometry<Dim>& geometry = rays.geometry();
+    const std::vector<std::uint32_t>& order = share.ends.order();
+    const auto frustum =
+        RayFrustum<Dim>::of(RayLine<Dim>::unitsOf(geometry, rays.commonOrigin()),
+                            geometry.cellOf(rays.end(order[group.begin])));
+    std::optional<SliceRange> range;
+    if (frustum) range = frustum->unsaturated(snapshot);
+    if (range && (range->from > 0 || range->empty())) share.culled += group.end - group.begin;
+    if (range && range->empty()) return false;
+    for (std::uint32_t i = group.begin; i < group.end; ++i) {
+        const bool selected = (i - group.begin) % group.every == 0;
+        if (selected != (part == PartOfGroup::selection)) continue;
+        const RayLine<Dim> line(geometry, rays.commonOrigin(), rays.end(order[i]));
+        walker.walk(line, range.value_or(SliceRange{0, line.slices()}), 1);
+    }
+    return true;
 }
 
 template class ScanIntegrator<2>;

@@ -53,11 +53,6 @@ struct WalkState {
         const std::uint32_t n = directory.number(key);
         return n != 0 ? n - 1 : makeBlock(key);
     }
-    void hit(const Cell<Dim>& cell, std::uint32_t weight) {
-        std::uint8_t& h =
-            batch.hitsOf(blockNumber(blockOf<Dim>(cell)))[indexInBlock<Dim>(cell)];
-        h = saturatingAdd(h, weight);
-    }
     /// Adds `weight` to every address and forgets them.
     void flush(std::uint32_t weight) {
         std::uint8_t* counts = batch.missArena();
@@ -86,21 +81,24 @@ struct WalkState {
     }
 };
 
-/// Appends the free cells of a ray, from slice `firstSlice` on.
+/// Appends the free cells of a ray in the slices [from, to).
 /// \pre state.addresses.reserveMore(line.steps()) was called
 template <int Dim>
-using WalkKernel = void (*)(WalkState<Dim>& state, const RayLine<Dim>& line,
-                            std::int32_t firstSlice);
+using WalkKernel = void (*)(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
+                            std::int32_t to);
 
 /// The portable kernel; also serves directories that are not dense.
 template <int Dim>
-void walkPortable(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t firstSlice);
+void walkPortable(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
+                  std::int32_t to);
 
 /// 8 slices at once; need a dense directory and the processor for it.
 template <int Dim>
-void walkAvx2(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t firstSlice);
+void walkAvx2(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
+              std::int32_t to);
 template <int Dim>
-void walkAvx512(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t firstSlice);
+void walkAvx512(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
+                std::int32_t to);
 
 /// The fastest kernel of this processor. The environment variable
 /// SUPERRAY_INSTRUCTION_SET = portable | avx2 | avx512 asks for a lesser one.

@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -21,6 +20,13 @@ using Cell = std::array<std::int32_t, static_cast<std::size_t>(Dim)>;
 /// Cells are addressable in [-kCellLimit, kCellLimit) per axis: OctoMap's
 /// 16-bit key range, shared by every storage type so that results are equal.
 inline constexpr std::int32_t kCellLimit = 32768;
+
+/// floor() to an integer without a library call (x86-64's baseline has no
+/// rounding instruction). \pre |x| < 2^62
+inline std::int64_t floorToInt(double x) {
+    const auto truncated = static_cast<std::int64_t>(x);
+    return truncated - (x < static_cast<double>(truncated));
+}
 
 /// Grid geometry: a resolution and the cell of a point (design rule 1).
 template <int Dim>
@@ -50,7 +56,7 @@ class CellGeometry {
     Cell<Dim> cellOf(const Point<Dim>& p) const {
         Cell<Dim> c;
         for (int a = 0; a < Dim; ++a)
-            c[a] = static_cast<std::int32_t>(std::floor(scaled(p[a])));
+            c[a] = static_cast<std::int32_t>(floorToInt(scaled(p[a])));
         return c;
     }
 

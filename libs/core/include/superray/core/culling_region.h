@@ -40,6 +40,10 @@ class CullingRegion {
     std::uint64_t cellCount() const { return cells_; }
     const Cell<Dim>& sensor() const { return sensor_; }
     bool contains(const Cell<Dim>& cell) const;
+    /// Cells of a block whose every neighbour one step nearer to the sensor is
+    /// in the region; nullptr: none. A ray from the sensor's cell that ends in
+    /// such a cell changes nothing but its end cell, whichever way it goes.
+    const BlockMask<Dim>* enclosed(const BlockKey<Dim>& key) const;
 
     /// The last slice of the ray that is entered inside the region (0 if
     /// none): all cells before that slice need no update.

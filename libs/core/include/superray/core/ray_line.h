@@ -5,7 +5,6 @@
 
 #include <superray/core/cell.h>
 
-#include <cmath>
 #include <cstdint>
 
 namespace superray {
@@ -18,7 +17,7 @@ inline constexpr std::int64_t kUnitsPerCell = std::int64_t{1} << kUnitBits;
 /// 2 floor(2^30 s) + 1. Odd, so that no point lies on a cell border; the cell
 /// is unchanged: floor(units / 2^31) == floor(s).
 inline std::int64_t toUnits(double scaled) {
-    return 2 * static_cast<std::int64_t>(std::floor(scaled * 1073741824.0)) + 1;
+    return 2 * floorToInt(scaled * 1073741824.0) + 1;
 }
 
 /// A point in units.
@@ -92,6 +91,15 @@ struct RayLine {
     Cell<Dim> startCell() const { return unmirrored(first); }
     Cell<Dim> endCell() const { return unmirrored(last); }
 
+    /// Units per slice of an axis with this extent, 0 <= extent <= length.
+    static std::int64_t slopeOf(std::int64_t extent, std::int64_t length) {
+        if (length == 0) return 0;
+        // One correctly rounded division and an exact scaling: the same bits
+        // everywhere (extents have at most 48 bits).
+        return static_cast<std::int64_t>(static_cast<double>(extent) /
+                                         static_cast<double>(length) * 2147483648.0);
+    }
+
     static std::int32_t cellOfUnits(std::int64_t units) {
         return static_cast<std::int32_t>(units >> kUnitBits);
     }
@@ -118,16 +126,11 @@ inline RayLine<Dim>::RayLine(const Units<Dim>& from, const Units<Dim>& to) {
         last[a] = cellOfUnits(start[a] + extent[a]);
         if (extent[a] > extent[dominant]) dominant = a;
     }
-    const double length = static_cast<double>(extent[dominant]);
     // Fraction of a slice from the start to the first dominant border, < 2^31.
     const std::int64_t toBorder =
         ((std::int64_t{first[dominant]} + 1) << kUnitBits) - start[dominant];
     for (int a = 0; a < Dim; ++a) {
-        // One correctly rounded division and an exact scaling: the same bits
-        // everywhere (extents have at most 48 bits).
-        slope[a] = length > 0 ? static_cast<std::int64_t>(static_cast<double>(extent[a]) /
-                                                          length * 2147483648.0)
-                              : 0;
+        slope[a] = slopeOf(extent[a], extent[dominant]);
         exit0[a] = start[a] + ((toBorder * slope[a]) >> kUnitBits);
     }
 }

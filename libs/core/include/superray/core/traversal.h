@@ -7,15 +7,16 @@
 namespace superray {
 
 /// Calls visit(cell) for the cells of the ray before its end cell (the free
-/// cells, design rule 3), from slice `firstSlice` on, sensor to end.
+/// cells, design rule 3) that lie in the slices [from, to), sensor to end.
 ///
 /// Works slice by slice: inside one, each axis steps at most once (in the last
 /// one up to twice, where rounding was made up for), so the order of steps
 /// needs a comparison only where two axes step in the same slice.
 template <int Dim, typename Visit>
-void forEachFreeCell(const RayLine<Dim>& line, std::int32_t firstSlice, Visit&& visit) {
+void forEachFreeCell(const RayLine<Dim>& line, std::int32_t from, std::int32_t to,
+                     Visit&& visit) {
     const std::int32_t slices = line.slices();
-    for (std::int32_t k = firstSlice; k < slices; ++k) {
+    for (std::int32_t k = from; k < to; ++k) {
         Cell<Dim> cell, exit;
         int steps = 0;
         for (int a = 0; a < Dim; ++a) {
@@ -39,7 +40,7 @@ void forEachFreeCell(const RayLine<Dim>& line, std::int32_t firstSlice, Visit&& 
 
 template <int Dim, typename Visit>
 void forEachFreeCell(const RayLine<Dim>& line, Visit&& visit) {
-    forEachFreeCell(line, 0, visit);
+    forEachFreeCell(line, 0, line.slices(), visit);
 }
 
 }  // namespace superray
