@@ -24,8 +24,8 @@ Eigen::Vector2d undistortPlumbBob(const Eigen::Vector2d& distorted, const TCamer
     Eigen::Vector2d p = distorted;
     for (int i = 0; i < 200; ++i) {
         const double r2 = p.squaredNorm(), r4 = r2 * r2, r6 = r4 * r2;
-        const double radial = (1 + d[0] * r2 + d[1] * r4 + d[4] * r6) /
-                              (1 + d[5] * r2 + d[6] * r4 + d[7] * r6);
+        const double radial =
+            (1 + d[0] * r2 + d[1] * r4 + d[4] * r6) / (1 + d[5] * r2 + d[6] * r4 + d[7] * r6);
         const double xy = p.x() * p.y();
         const Eigen::Vector2d tangential(2 * d[2] * xy + d[3] * (r2 + 2 * p.x() * p.x()),
                                          d[2] * (r2 + 2 * p.y() * p.y()) + 2 * d[3] * xy);
@@ -38,7 +38,8 @@ Eigen::Vector2d undistortPlumbBob(const Eigen::Vector2d& distorted, const TCamer
 }
 
 /// Direction in the camera frame (z forward) of Kannala-Brandt coordinates.
-Eigen::Vector3d directionKannalaBrandt(const Eigen::Vector2d& distorted, const TCamera& camera) {
+Eigen::Vector3d directionKannalaBrandt(const Eigen::Vector2d& distorted,
+                                       const TCamera& camera) {
     const auto& d = camera.dist;  // k1 k2 - - k3 k4
     const double target = distorted.norm();
     if (target == 0) return {0, 0, 1};
@@ -63,12 +64,14 @@ Eigen::Vector3d cameraDirection(double column, double row, const TCamera& camera
     const Eigen::Vector2d p((column - camera.cx()) / camera.fx(),
                             (row - camera.cy()) / camera.fy());
     switch (camera.distortion) {
-        case DistortionModel::none: return {p.x(), p.y(), 1};
+        case DistortionModel::none:
+            return {p.x(), p.y(), 1};
         case DistortionModel::plumb_bob: {
             const Eigen::Vector2d u = undistortPlumbBob(p, camera);
             return {u.x(), u.y(), 1};
         }
-        case DistortionModel::kannala_brandt: return directionKannalaBrandt(p, camera);
+        case DistortionModel::kannala_brandt:
+            return directionKannalaBrandt(p, camera);
     }
     return {kNaN, kNaN, kNaN};
 }
@@ -107,8 +110,8 @@ struct Key {
 std::shared_ptr<const PixelDirections> pixelDirections(const TCamera& camera, RangeKind kind) {
     if (!(camera.fx() > 0 && camera.fy() > 0)) {
         std::ostringstream message;
-        message << "range camera: focal lengths fx = " << camera.fx() << ", fy = " << camera.fy()
-                << ": must be > 0";
+        message << "range camera: focal lengths fx = " << camera.fx()
+                << ", fy = " << camera.fy() << ": must be > 0";
         throw std::invalid_argument(message.str());
     }
     struct Entry {

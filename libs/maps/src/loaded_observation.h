@@ -7,7 +7,7 @@ namespace superray {
 
 /// Loads externally stored data for its lifetime.
 class LoadedObservation {
-   public:
+ public:
     /// \param unloadAfter the data were not in memory before
     LoadedObservation(const mrpt::obs::CObservation& observation, bool unloadAfter)
         : observation_(observation), unloadAfter_(unloadAfter) {
@@ -19,7 +19,7 @@ class LoadedObservation {
     LoadedObservation(const LoadedObservation&) = delete;
     LoadedObservation& operator=(const LoadedObservation&) = delete;
 
-   private:
+ private:
     const mrpt::obs::CObservation& observation_;
     bool unloadAfter_;
 };

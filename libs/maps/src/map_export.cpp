@@ -18,7 +18,8 @@ namespace {
 
 }  // namespace
 
-void writeOctomap(const OccupancyMap<3>& map, const SensorModel& model, const std::string& path) {
+void writeOctomap(const OccupancyMap<3>& map, const SensorModel& model,
+                  const std::string& path) {
     const std::string extension = std::filesystem::path(path).extension().string();
     if (extension != ".bt" && extension != ".ot")
         throw std::invalid_argument("OctoMap file " + path + ": must end in .bt or .ot");
@@ -73,7 +74,8 @@ void writePly(const OccupancyMap<Dim>& map, const SensorModel& model, const std:
 template void writePly(const OccupancyMap<2>&, const SensorModel&, const std::string&);
 template void writePly(const OccupancyMap<3>&, const SensorModel&, const std::string&);
 
-void writePicture(const OccupancyMap<2>& map, const SensorModel& model, const std::string& path) {
+void writePicture(const OccupancyMap<2>& map, const SensorModel& model,
+                  const std::string& path) {
     // The grey values of ROS map files.
     constexpr std::uint8_t kOccupied = 0, kFree = 254, kUnknown = 205;
     constexpr int kMaxSide = 32768;

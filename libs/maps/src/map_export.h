@@ -18,11 +18,13 @@ std::shared_ptr<mrpt::opengl::COctoMapVoxels> makeVoxels(const OccupancyMap<Dim>
                                                          const TRenderingOptions& options);
 
 /// .bt or .ot
-void writeOctomap(const OccupancyMap<3>& map, const SensorModel& model, const std::string& path);
+void writeOctomap(const OccupancyMap<3>& map, const SensorModel& model,
+                  const std::string& path);
 
 template <int Dim>
 void writePly(const OccupancyMap<Dim>& map, const SensorModel& model, const std::string& path);
 
-void writePicture(const OccupancyMap<2>& map, const SensorModel& model, const std::string& path);
+void writePicture(const OccupancyMap<2>& map, const SensorModel& model,
+                  const std::string& path);
 
 }  // namespace superray

@@ -61,8 +61,8 @@ MapPtr createMapFromConfig(const mrpt::config::CConfigFileBase& source,
                 definition->getMetricMapClassType()->className)
                 continue;
             if (created)
-                throw std::invalid_argument("[" + section + "]: defines several superray maps; " +
-                                            "must define one");
+                throw std::invalid_argument(
+                    "[" + section + "]: defines several superray maps; " + "must define one");
             created = MapPtr(mrpt::maps::internal::TMetricMapTypesRegistry::Instance()
                                  .factoryMapObjectFromDefinition(*definition));
         }

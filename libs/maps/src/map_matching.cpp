@@ -90,8 +90,8 @@ void matchPoints(const OccupancyMap<Dim>& map, const SensorModel& model,
             "matching against an occupancy map: the other map must be, or hold, a points map");
     const std::size_t step = std::max<std::size_t>(1, params.decimation_other_map_points);
     const auto reachOf = [&](const mrpt::math::TPoint3D& p) {
-        return params.maxDistForCorrespondence +
-               params.maxAngularDistForCorrespondence * p.distanceTo(params.angularDistPivotPoint);
+        return params.maxDistForCorrespondence + params.maxAngularDistForCorrespondence *
+                                                     p.distanceTo(params.angularDistPivotPoint);
     };
     double farthest = 0;
     for (std::size_t i = params.offset_other_map_points; i < points->size(); i += step)
@@ -125,9 +125,10 @@ void matchPoints(const OccupancyMap<Dim>& map, const SensorModel& model,
         correspondences.filterUniqueRobustPairs(cellNumbers.size(), unique);
         correspondences.swap(unique);
     }
-    const std::size_t asked = points->size() > params.offset_other_map_points
-                                  ? (points->size() - params.offset_other_map_points + step - 1) / step
-                                  : 0;
+    const std::size_t asked =
+        points->size() > params.offset_other_map_points
+            ? (points->size() - params.offset_other_map_points + step - 1) / step
+            : 0;
     if (asked > 0)
         extraResults.correspondencesRatio =
             static_cast<float>(correspondences.size()) / static_cast<float>(asked);
@@ -136,17 +137,16 @@ void matchPoints(const OccupancyMap<Dim>& map, const SensorModel& model,
             static_cast<float>(squaredSum / static_cast<double>(correspondences.size()));
 }
 
-#define SUPERRAY_INSTANTIATE(Dim)                                                             \
-    template double endPointLogLikelihood(const RayBundle<Dim>&, const OccupancyMap<Dim>&,    \
-                                          const SensorModel&, const TLikelihoodOptions&);     \
-    template float matchingRatio(const OccupancyMap<Dim>&, const SensorModel&,                \
-                                 const mrpt::maps::CMetricMap*, const mrpt::poses::CPose3D&,  \
-                                 const mrpt::maps::TMatchingRatioParams&);                    \
-    template void matchPoints(const OccupancyMap<Dim>&, const SensorModel&,                   \
-                              const mrpt::maps::CMetricMap*, const mrpt::poses::CPose3D&,     \
-                              const mrpt::maps::TMatchingParams&,                             \
-                              mrpt::tfest::TMatchingPairList&,                                \
-                              mrpt::maps::TMatchingExtraResults&);
+#define SUPERRAY_INSTANTIATE(Dim)                                                            \
+    template double endPointLogLikelihood(const RayBundle<Dim>&, const OccupancyMap<Dim>&,   \
+                                          const SensorModel&, const TLikelihoodOptions&);    \
+    template float matchingRatio(const OccupancyMap<Dim>&, const SensorModel&,               \
+                                 const mrpt::maps::CMetricMap*, const mrpt::poses::CPose3D&, \
+                                 const mrpt::maps::TMatchingRatioParams&);                   \
+    template void matchPoints(                                                               \
+        const OccupancyMap<Dim>&, const SensorModel&, const mrpt::maps::CMetricMap*,         \
+        const mrpt::poses::CPose3D&, const mrpt::maps::TMatchingParams&,                     \
+        mrpt::tfest::TMatchingPairList&, mrpt::maps::TMatchingExtraResults&);
 SUPERRAY_INSTANTIATE(2)
 SUPERRAY_INSTANTIATE(3)
 #undef SUPERRAY_INSTANTIATE

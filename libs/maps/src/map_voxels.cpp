@@ -39,7 +39,8 @@ void forEachCell(const OccupancyMap<Dim>& map, F f) {
 }  // namespace
 
 template <int Dim>
-std::shared_ptr<COctoMapVoxels> makeVoxels(const OccupancyMap<Dim>& map, const SensorModel& model,
+std::shared_ptr<COctoMapVoxels> makeVoxels(const OccupancyMap<Dim>& map,
+                                           const SensorModel& model,
                                            const TRenderingOptions& options) {
     const auto& geometry = map.geometry();
     auto voxels = COctoMapVoxels::Create();
@@ -75,12 +76,14 @@ std::shared_ptr<COctoMapVoxels> makeVoxels(const OccupancyMap<Dim>& map, const S
     const double edge = geometry.resolution();
     const auto half = static_cast<float>(edge / 2);
     const mrpt::math::TPoint3Df halfCell(half, half, half);
-    voxels->reserveVoxels(mrpt::opengl::VOXEL_SET_OCCUPIED, options.generateFreeVoxels ? 0 : drawn);
+    voxels->reserveVoxels(mrpt::opengl::VOXEL_SET_OCCUPIED,
+                          options.generateFreeVoxels ? 0 : drawn);
     if (options.generateGridLines) voxels->reserveGridCubes(drawn);
     forEachCell(map, [&](const Cell<Dim>& c, float value) {
         if (!isDrawn(value)) return;
         const auto p = centerOf(c, geometry);
-        const auto colour = byHeight ? heightColour(p.z) : occupancyColour(probabilityOf(value));
+        const auto colour =
+            byHeight ? heightColour(p.z) : occupancyColour(probabilityOf(value));
         const auto set = value >= model.occupied() ? mrpt::opengl::VOXEL_SET_OCCUPIED
                                                    : mrpt::opengl::VOXEL_SET_FREESPACE;
         voxels->push_back_Voxel(set, {p, edge, colour});

@@ -7,10 +7,12 @@
 namespace superray {
 
 template <int Dim>
-NearestOccupied<Dim>::NearestOccupied(const OccupancyMap<Dim>& map, float occupied, double radius)
+NearestOccupied<Dim>::NearestOccupied(const OccupancyMap<Dim>& map, float occupied,
+                                      double radius)
     : map_(map), occupied_(occupied), radius_(radius) {
     const double resolution = map.geometry().resolution();
-    const int reach = static_cast<int>(std::min<double>(kMaxCells, std::ceil(radius / resolution)));
+    const int reach =
+        static_cast<int>(std::min<double>(kMaxCells, std::ceil(radius / resolution)));
     Cell<Dim> c;
     c.fill(-reach);
     for (;;) {
@@ -57,7 +59,8 @@ std::optional<typename NearestOccupied<Dim>::Found> NearestOccupied<Dim>::operat
         }
         // The cell of the point itself has distance 0, whatever rounding says.
         const double distance = c == centre ? 0 : std::sqrt(squared);
-        if (!addressable || distance > radius_ || (best && distance >= best->distance)) continue;
+        if (!addressable || distance > radius_ || (best && distance >= best->distance))
+            continue;
         const auto value = map_.logOdds(c);
         if (value && *value >= occupied_) best = Found{c, distance};
     }

@@ -12,7 +12,7 @@ namespace superray {
 /// nearest first.
 template <int Dim>
 class NearestOccupied {
-   public:
+ public:
     /// Never looks farther than this many cells: the work grows with its cube.
     static constexpr int kMaxCells = 32;
 
@@ -28,7 +28,7 @@ class NearestOccupied {
     /// \pre map.geometry().contains(p)
     std::optional<Found> operator()(const Point<Dim>& p) const;
 
-   private:
+ private:
     struct Offset {
         Cell<Dim> cell;
         double atLeast;  ///< distance from anywhere in the centre cell [m]

@@ -28,7 +28,9 @@ bool hasData(const mrpt::obs::CObservationVelodyneScan& o) {
 bool hasData(const mrpt::obs::CObservationPointCloud& o) {
     return o.pointcloud || o.isExternallyStored();
 }
-bool hasData(const mrpt::obs::CObservation2DRangeScan& o) { return o.getScanSize() > 0; }
+bool hasData(const mrpt::obs::CObservation2DRangeScan& o) {
+    return o.getScanSize() > 0;
+}
 bool hasData(const mrpt::obs::CObservationRotatingScan& o) {
     return HasOrganizedPoints<mrpt::obs::CObservationRotatingScan>::value || o.rowCount == 1;
 }
@@ -77,8 +79,10 @@ RayBundle<Dim> toRays(const SensorReturns& returns, const mrpt::poses::CPose3D& 
 }
 
 template RayBundle<2> toRays(const SensorReturns&, const mrpt::poses::CPose3D&,
-                             const CellGeometry<2>&, const TInsertionOptions&, TInsertionReport&);
+                             const CellGeometry<2>&, const TInsertionOptions&,
+                             TInsertionReport&);
 template RayBundle<3> toRays(const SensorReturns&, const mrpt::poses::CPose3D&,
-                             const CellGeometry<3>&, const TInsertionOptions&, TInsertionReport&);
+                             const CellGeometry<3>&, const TInsertionOptions&,
+                             TInsertionReport&);
 
 }  // namespace superray

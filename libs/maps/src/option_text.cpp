@@ -10,14 +10,18 @@
 namespace superray {
 namespace {
 
-char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+char lower(char c) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+}
 
 std::string lowered(std::string s) {
     std::transform(s.begin(), s.end(), s.begin(), lower);
     return s;
 }
 
-bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+bool isBlank(char c) {
+    return c == ' ' || c == '\t' || c == '\r';
+}
 
 std::string trimmed(const std::string& s) {
     const auto first = std::find_if_not(s.begin(), s.end(), isBlank);
@@ -67,8 +71,12 @@ std::string formatValue(double value) {
     return std::string(buffer, end);
 }
 
-std::string formatValue(bool value) { return value ? "true" : "false"; }
-std::string formatValue(std::uint32_t value) { return std::to_string(value); }
+std::string formatValue(bool value) {
+    return value ? "true" : "false";
+}
+std::string formatValue(std::uint32_t value) {
+    return std::to_string(value);
+}
 
 std::string formatValue(const std::string& value) {
     if (std::any_of(value.begin(), value.end(),
@@ -78,8 +86,12 @@ std::string formatValue(const std::string& value) {
     return value;
 }
 
-std::string formatValue(UpdatePolicy value) { return toString(value); }
-std::string formatValue(Method value) { return toString(value); }
+std::string formatValue(UpdatePolicy value) {
+    return toString(value);
+}
+std::string formatValue(Method value) {
+    return toString(value);
+}
 std::string formatValue(VoxelColour value) {
     return value == VoxelColour::height ? "height" : "occupancy";
 }
@@ -105,7 +117,9 @@ void parseValue(const std::string& text, std::uint32_t& value) {
     parseNumber(text, value, "must be a whole number >= 0");
 }
 
-void parseValue(const std::string& text, std::string& value) { value = text; }
+void parseValue(const std::string& text, std::string& value) {
+    value = text;
+}
 
 void parseValue(const std::string& text, UpdatePolicy& value) {
     for (const auto p : {UpdatePolicy::everyRay, UpdatePolicy::oncePerScan}) {
@@ -151,18 +165,20 @@ std::string closestTo(const std::string& word, const std::vector<std::string>& c
 }
 
 bool equalIgnoringCase(const std::string& a, const std::string& b) {
-    return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) {
-               return lower(x) == lower(y);
-           });
+    return a.size() == b.size() &&
+           std::equal(a.begin(), a.end(), b.begin(),
+                      [](char x, char y) { return lower(x) == lower(y); });
 }
 
-StrictSection::StrictSection(const mrpt::config::CConfigFileBase& source, const std::string& name)
+StrictSection::StrictSection(const mrpt::config::CConfigFileBase& source,
+                             const std::string& name)
     : name_(name) {
     std::vector<std::string> keys;
     source.getAllKeys(name, keys);
     for (const auto& key : keys) {
         const std::string value = source.read_string(name, key, "");
-        entries_.push_back({key, trimmed(withoutComment(value)), false});
+        // MRPT pads keys with blanks when it writes them.
+        entries_.push_back({trimmed(key), trimmed(withoutComment(value)), false});
     }
 }
 

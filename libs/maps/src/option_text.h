@@ -37,7 +37,7 @@ bool equalIgnoringCase(const std::string& a, const std::string& b);
 
 /// A section of key = value lines whose every key must be known.
 class StrictSection {
-   public:
+ public:
     struct Entry {
         std::string key, value;
         bool used = false;
@@ -67,7 +67,7 @@ class StrictSection {
     /// \throws std::invalid_argument naming an unread key and the closest known one
     void rejectUnknownKeys() const;
 
-   private:
+ private:
     [[noreturn]] void failBadValue(const Entry& entry, const std::string& rule) const;
 
     std::string name_;

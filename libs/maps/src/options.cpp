@@ -90,9 +90,8 @@ void validateIn(const std::string& section, const Options& options) {
 template <class Options>
 void readSection(StrictSection section, const std::string& name, Options& options) {
     Options updated = options;
-    visitOptions(updated, [&](const char* key, auto& value, const char*) {
-        section.read(key, value);
-    });
+    visitOptions(updated,
+                 [&](const char* key, auto& value, const char*) { section.read(key, value); });
     section.rejectUnknownKeys();
     validateIn(name, updated);
     options = updated;
@@ -150,8 +149,8 @@ void TInsertionOptions::validate() const {
 }
 
 SensorModel TInsertionOptions::sensorModel() const {
-    return SensorModel(
-        SensorProbabilities{probHit, probMiss, clampingThresMin, clampingThresMax, occupancyThres});
+    return SensorModel(SensorProbabilities{probHit, probMiss, clampingThresMin,
+                                           clampingThresMax, occupancyThres});
 }
 
 RangeLimits TInsertionOptions::rangeLimits() const {
@@ -218,11 +217,11 @@ void TMapOptions::loadFromConfigFile(const mrpt::config::CConfigFileBase& source
                                      const std::string& prefix) {
     std::vector<std::string> sections, known;
     source.getAllSections(sections);
-    forEachSection(*this, [&](const char* suffix, auto&) {
-        known.push_back(prefix + "_" + suffix);
-    });
+    forEachSection(*this,
+                   [&](const char* suffix, auto&) { known.push_back(prefix + "_" + suffix); });
     for (const auto& s : sections) {
-        if (s.size() <= prefix.size() || !equalIgnoringCase(s.substr(0, prefix.size() + 1), prefix + "_"))
+        if (s.size() <= prefix.size() ||
+            !equalIgnoringCase(s.substr(0, prefix.size() + 1), prefix + "_"))
             continue;
         bool found = false;
         for (const auto& k : known) found = found || equalIgnoringCase(s, k);
@@ -265,11 +264,12 @@ void TMapOptions::fromText(const std::string& text) {
     TMapOptions updated = *this;
     for (auto& [name, entries] : sections) {
         bool known = false;
-        forEachSection(updated, [&, &n = name, &list = entries](const char* suffix, auto& options) {
-            if (n != suffix) return;
-            known = true;
-            readSection(StrictSection(n, std::move(list)), n, options);
-        });
+        forEachSection(updated,
+                       [&, &n = name, &list = entries](const char* suffix, auto& options) {
+                           if (n != suffix) return;
+                           known = true;
+                           readSection(StrictSection(n, std::move(list)), n, options);
+                       });
         if (!known) throw std::invalid_argument("options: unknown section [" + name + "]");
     }
     *this = updated;

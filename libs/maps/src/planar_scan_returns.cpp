@@ -16,7 +16,8 @@ std::optional<SensorReturns> read(const mrpt::obs::CObservation2DRangeScan& scan
     const double span = scan.rightToLeft ? scan.aperture : -scan.aperture;
     for (std::size_t i = 0; i < n; ++i) {
         if (!to.next()) continue;
-        const double fraction = n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) : 0.5;
+        const double fraction =
+            n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) : 0.5;
         const double angle = span * (fraction - 0.5);
         const Eigen::Vector3f direction(static_cast<float>(std::cos(angle)),
                                         static_cast<float>(std::sin(angle)), 0.0f);

@@ -46,31 +46,37 @@ const octomap::OcTree& CSuperRayOctoMap::octree() const {
 
 }  // namespace superray
 
+/// A program that links this library, rather than loading it as a plugin, may
+/// define this to keep the line below away.
+extern "C" __attribute__((weak)) const bool superray_linked_knowingly;
+
 // MRPT wants each of these per class; a template cannot define them.
-#define SUPERRAY_REGISTER_MAP(Class, alias)                                                  \
-    IMPLEMENTS_SERIALIZABLE(Class, mrpt::maps::CMetricMap, superray)                         \
-    MAP_DEFINITION_REGISTER("superray::" #Class "," alias, superray::Class)                  \
-    superray::Class::TMapDefinition::TMapDefinition() = default;                             \
-    void superray::Class::TMapDefinition::loadFromConfigFile_map_specific(                   \
-        const mrpt::config::CConfigFileBase& source, const std::string& prefix) {            \
-        options.loadFromConfigFile(source, prefix);                                          \
-    }                                                                                        \
-    void superray::Class::TMapDefinition::dumpToTextStream_map_specific(std::ostream& out)   \
-        const {                                                                              \
-        out << options.toText();                                                             \
-    }                                                                                        \
-    auto superray::Class::internal_CreateFromMapDefinition(                                  \
-        const mrpt::maps::TMetricMapInitializer& definition)                                 \
-        ->superray::MapCreatorResult {                                                       \
+#define SUPERRAY_REGISTER_MAP(Class, alias)                                                   \
+    IMPLEMENTS_SERIALIZABLE(Class, mrpt::maps::CMetricMap, superray)                          \
+    MAP_DEFINITION_REGISTER("superray::" #Class "," alias, superray::Class)                   \
+    superray::Class::TMapDefinition::TMapDefinition() = default;                              \
+    void superray::Class::TMapDefinition::loadFromConfigFile_map_specific(                    \
+        const mrpt::config::CConfigFileBase& source, const std::string& prefix) {             \
+        options.loadFromConfigFile(source, prefix);                                           \
+    }                                                                                         \
+    void superray::Class::TMapDefinition::dumpToTextStream_map_specific(std::ostream& out)    \
+        const {                                                                               \
+        out << options.toText();                                                              \
+    }                                                                                         \
+    auto superray::Class::internal_CreateFromMapDefinition(                                   \
+        const mrpt::maps::TMetricMapInitializer& definition)                                  \
+        ->superray::MapCreatorResult {                                                        \
         return superray::createFrom<superray::MapCreatorResult, superray::Class>(definition); \
-    }                                                                                        \
-    std::uint8_t superray::Class::serializeGetVersion() const { return kSerialVersion; }     \
-    void superray::Class::serializeTo(mrpt::serialization::CArchive& out) const {            \
-        writeTo(out);                                                                        \
-    }                                                                                        \
-    void superray::Class::serializeFrom(mrpt::serialization::CArchive& in,                   \
-                                        std::uint8_t version) {                              \
-        readFrom(in, version);                                                               \
+    }                                                                                         \
+    std::uint8_t superray::Class::serializeGetVersion() const {                               \
+        return kSerialVersion;                                                                \
+    }                                                                                         \
+    void superray::Class::serializeTo(mrpt::serialization::CArchive& out) const {             \
+        writeTo(out);                                                                         \
+    }                                                                                         \
+    void superray::Class::serializeFrom(mrpt::serialization::CArchive& in,                    \
+                                        std::uint8_t version) {                               \
+        readFrom(in, version);                                                                \
     }
 
 SUPERRAY_REGISTER_MAP(CSuperRayGridMap3D, "superRayGridMap3D")
@@ -91,9 +97,9 @@ const bool registered = [] {
     mrpt::rtti::registerClass(CLASS_ID(CSuperRayQuadMap));
     // A user whose plugin did not load sees nothing, so say that it did. On
     // stderr: programs that link the library may print data on stdout.
-    if (!std::getenv("SUPERRAY_QUIET"))
-        std::cerr << "[superray] INFO: superray " SUPERRAY_VERSION
-                     " (" << MRPT_version_str << "): map classes registered: "
+    if (&superray_linked_knowingly == nullptr && !std::getenv("SUPERRAY_QUIET"))
+        std::cerr << "[superray] INFO: superray " SUPERRAY_VERSION " (" << MRPT_version_str
+                  << "): map classes registered: "
                      "superRayGridMap3D, superRayOctoMap, superRayGridMap2D, "
                      "superRayQuadMap\n";
     return true;

@@ -16,7 +16,7 @@ namespace superray {
 
 /// Collects one of every `decimation` measurements.
 class ReturnCollector {
-   public:
+ public:
     /// \param sensorMaximum [m] maximum range of the sensor, <= 0 or Inf: unknown
     ReturnCollector(SensorReturns& out, const ReturnOptions& options, double sensorMaximum)
         : out_(out), decimation_(options.decimation) {
@@ -38,12 +38,13 @@ class ReturnCollector {
     /// \param direction of any length > 0, sensor frame
     void noReturn(const Eigen::Vector3f& direction) {
         ++out_.noReturnCount;
-        if (noReturnRange_ > 0) out_.noReturns.push_back(direction.normalized() * noReturnRange_);
+        if (noReturnRange_ > 0)
+            out_.noReturns.push_back(direction.normalized() * noReturnRange_);
     }
     /// A measurement that tells nothing, e.g. one out of the sensor's limits.
     void invalid() { ++out_.noReturnCount; }
 
-   private:
+ private:
     SensorReturns& out_;
     unsigned decimation_;
     unsigned index_ = 0;
@@ -63,10 +64,15 @@ void collectPoints(const Floats& x, const Floats& y, const Floats& z, ReturnColl
     }
 }
 
-std::optional<SensorReturns> read(const mrpt::obs::CObservation3DRangeScan&, const ReturnOptions&);
-std::optional<SensorReturns> read(const mrpt::obs::CObservationVelodyneScan&, const ReturnOptions&);
-std::optional<SensorReturns> read(const mrpt::obs::CObservationPointCloud&, const ReturnOptions&);
-std::optional<SensorReturns> read(const mrpt::obs::CObservation2DRangeScan&, const ReturnOptions&);
-std::optional<SensorReturns> read(const mrpt::obs::CObservationRotatingScan&, const ReturnOptions&);
+std::optional<SensorReturns> read(const mrpt::obs::CObservation3DRangeScan&,
+                                  const ReturnOptions&);
+std::optional<SensorReturns> read(const mrpt::obs::CObservationVelodyneScan&,
+                                  const ReturnOptions&);
+std::optional<SensorReturns> read(const mrpt::obs::CObservationPointCloud&,
+                                  const ReturnOptions&);
+std::optional<SensorReturns> read(const mrpt::obs::CObservation2DRangeScan&,
+                                  const ReturnOptions&);
+std::optional<SensorReturns> read(const mrpt::obs::CObservationRotatingScan&,
+                                  const ReturnOptions&);
 
 }  // namespace superray

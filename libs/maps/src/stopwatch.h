@@ -7,7 +7,7 @@ namespace superray {
 
 /// Seconds since the last lap.
 class Stopwatch {
-   public:
+ public:
     double lap() {
         const auto now = std::chrono::steady_clock::now();
         const double seconds = std::chrono::duration<double>(now - start_).count();
@@ -15,7 +15,7 @@ class Stopwatch {
         return seconds;
     }
 
-   private:
+ private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

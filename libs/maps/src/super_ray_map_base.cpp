@@ -222,7 +222,8 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
 template <int Dim>
 bool CSuperRayMapBase<Dim>::internal_canComputeObservationLikelihood(
     const mrpt::obs::CObservation& observation) const {
-    return insertionOptions.acceptsSensor(observation.sensorLabel) && canReadReturns(observation);
+    return insertionOptions.acceptsSensor(observation.sensorLabel) &&
+           canReadReturns(observation);
 }
 
 template <int Dim>

@@ -72,7 +72,8 @@ void CSuperRayMapBase<Dim>::readFrom(mrpt::serialization::CArchive& in, std::uin
         decodeCells(cells.data(), cells.size(), *storage);
         replaceAll(std::move(storage), read);
     } catch (const std::exception& e) {
-        throw std::runtime_error(shortClassName() + ": cannot read map from stream: " + e.what());
+        throw std::runtime_error(shortClassName() +
+                                 ": cannot read map from stream: " + e.what());
     }
 }
 

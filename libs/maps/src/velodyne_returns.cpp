@@ -38,14 +38,20 @@ Model modelOf(const Scan& scan) {
     const auto* lasers = &scan.calibration.laser_corrections;
     if (lasers->empty() && !scan.scan_packets.empty()) {
         const int id = scan.scan_packets.front().velodyne_model_ID;
-        if (id == 0x22) lasers = &VelodyneCalibration::LoadDefaultCalibration("VLP16").laser_corrections;
-        if (id == 0x21) lasers = &VelodyneCalibration::LoadDefaultCalibration("HDL32").laser_corrections;
+        if (id == 0x22)
+            lasers = &VelodyneCalibration::LoadDefaultCalibration("VLP16").laser_corrections;
+        if (id == 0x21)
+            lasers = &VelodyneCalibration::LoadDefaultCalibration("HDL32").laser_corrections;
     }
     switch (lasers->size()) {
-        case 16: return {lasers, kVlp16};
-        case 32: return {lasers, kHdl32};
-        case 64: return {lasers, kHdl64};
-        default: break;
+        case 16:
+            return {lasers, kVlp16};
+        case 32:
+            return {lasers, kHdl32};
+        case 64:
+            return {lasers, kHdl64};
+        default:
+            break;
     }
     std::ostringstream message;
     message << "Velodyne scan \"" << scan.sensorLabel << "\": calibration of " << lasers->size()
@@ -94,8 +100,9 @@ struct Beam {
 };
 
 class PacketReader {
-   public:
-    PacketReader(const Scan& scan, ReturnCollector& to) : scan_(scan), model_(modelOf(scan)), to_(to) {}
+ public:
+    PacketReader(const Scan& scan, ReturnCollector& to)
+        : scan_(scan), model_(modelOf(scan)), to_(to) {}
 
     void read(const Packet& packet) const {
         const bool dual = packet.laser_return_mode == Scan::RETMODE_DUAL;
@@ -113,7 +120,7 @@ class PacketReader {
         }
     }
 
-   private:
+ private:
     void readBlock(const Scan::raw_block_t& block, const Scan::raw_block_t* twin,
                    std::size_t firstLaser, double turn) const {
         const std::size_t lasers = std::min<std::size_t>(model_.lasers->size(), 32);
@@ -126,7 +133,8 @@ class PacketReader {
             const double time = timing.firingPeriod * static_cast<double>(i / lasers) +
                                 timing.returnPeriod * static_cast<double>(i % lasers);
             const double units = block.rotation() + turn * time / timing.blockPeriod;
-            const double azimuth = units * kRadiansPerUnit - laser.azimuthCorrection;
+            // The correction is in degrees. (MRPT 2.5.8 leaves it out.)
+            const double azimuth = (units - 100 * laser.azimuthCorrection) * kRadiansPerUnit;
             const double distance = raw * kMetresPerUnit + laser.distanceCorrection;
             const Beam beam(laser, azimuth);
             if (raw == 0) {

@@ -10,7 +10,7 @@ namespace superray {
 class CSuperRayGridMap2D : public CSuperRayMapBase<2> {
     DEFINE_SERIALIZABLE(CSuperRayGridMap2D, superray)
 
-   public:
+ public:
     /// \param resolution cell edge [m]
     explicit CSuperRayGridMap2D(double resolution = 0.10)
         : CSuperRayMapBase<2>(StorageType::blockGrid, resolution) {}

@@ -10,7 +10,7 @@ namespace superray {
 class CSuperRayGridMap3D : public CSuperRayMapBase<3> {
     DEFINE_SERIALIZABLE(CSuperRayGridMap3D, superray)
 
-   public:
+ public:
     /// \param resolution cell edge [m]
     explicit CSuperRayGridMap3D(double resolution = 0.10)
         : CSuperRayMapBase<3>(StorageType::blockGrid, resolution) {}

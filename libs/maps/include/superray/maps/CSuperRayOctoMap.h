@@ -14,7 +14,7 @@ namespace superray {
 class CSuperRayOctoMap : public CSuperRayMapBase<3> {
     DEFINE_SERIALIZABLE(CSuperRayOctoMap, superray)
 
-   public:
+ public:
     /// \param resolution cell edge [m]
     explicit CSuperRayOctoMap(double resolution = 0.10)
         : CSuperRayMapBase<3>(StorageType::tree, resolution) {}

@@ -10,7 +10,7 @@ namespace superray {
 class CSuperRayQuadMap : public CSuperRayMapBase<2> {
     DEFINE_SERIALIZABLE(CSuperRayQuadMap, superray)
 
-   public:
+ public:
     /// \param resolution cell edge [m]
     explicit CSuperRayQuadMap(double resolution = 0.10)
         : CSuperRayMapBase<2>(StorageType::tree, resolution) {}

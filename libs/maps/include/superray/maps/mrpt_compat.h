@@ -41,7 +41,8 @@ using MapCreatorResult = decltype(std::declval<mrpt::maps::internal::MapCtorFrom
 template <class Scan, class = void>
 struct HasOrganizedPoints : std::false_type {};
 template <class Scan>
-struct HasOrganizedPoints<Scan, std::void_t<decltype(std::declval<const Scan&>().organizedPoints)>>
+struct HasOrganizedPoints<Scan,
+                          std::void_t<decltype(std::declval<const Scan&>().organizedPoints)>>
     : std::true_type {};
 
 }  // namespace superray

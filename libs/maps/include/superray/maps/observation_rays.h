@@ -27,9 +27,9 @@ namespace superray {
 
 /// What to take from an observation.
 struct ReturnOptions {
-    unsigned decimation = 1;      ///< use one of so many measurements
-    bool noReturnRays = false;    ///< also list measurements without a return
-    double noReturnRange = 0;     ///< [m] their length; <= 0: the sensor's maximum range
+    unsigned decimation = 1;    ///< use one of so many measurements
+    bool noReturnRays = false;  ///< also list measurements without a return
+    double noReturnRange = 0;   ///< [m] their length; <= 0: the sensor's maximum range
 };
 
 /// A scan in the sensor's frame.

@@ -37,18 +37,18 @@ struct TCreationOptions : public mrpt::config::CLoadableOptions {
 
 /// Section `<map>_insertOpts`. Names that COctoMap has mean what they mean there.
 struct TInsertionOptions : public mrpt::config::CLoadableOptions {
-    double maxrange = -1;  ///< [m] longer rays are cut and clear only; <= 0: no limit
-    double minrange = 0;   ///< [m] nearer returns are skipped
-    double probHit = 0.7;            ///< in (0.5, 1)
-    double probMiss = 0.4;           ///< in (0, 0.5)
+    double maxrange = -1;   ///< [m] longer rays are cut and clear only; <= 0: no limit
+    double minrange = 0;    ///< [m] nearer returns are skipped
+    double probHit = 0.7;   ///< in (0.5, 1)
+    double probMiss = 0.4;  ///< in (0, 0.5)
     double clampingThresMin = 0.1192;  ///< lowest probability of a cell, in (0, 0.5)
     double clampingThresMax = 0.971;   ///< highest probability of a cell, in (0.5, 1)
     double occupancyThres = 0.5;       ///< occupied from this probability on, in (0, 1)
     UpdatePolicy policy = UpdatePolicy::everyRay;
     Method method = Method::automatic;  ///< all give the same map
     std::uint32_t superRayThreshold = 20;
-    std::uint32_t threads = 1;     ///< >= 1; the map does not depend on it
-    std::uint32_t decimation = 1;  ///< >= 1; use one of so many measurements
+    std::uint32_t threads = 1;        ///< >= 1; the map does not depend on it
+    std::uint32_t decimation = 1;     ///< >= 1; use one of so many measurements
     bool insertNoReturnRays = false;  ///< measurements without return clear space
     double noReturnRange = 0;  ///< [m] length of such rays; <= 0: the sensor's maximum range
     std::string sensorLabel;   ///< comma-separated labels to accept; empty: all

@@ -24,7 +24,7 @@ namespace superray {
 /// map untouched.
 template <int Dim>
 class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterface {
-   public:
+ public:
     TInsertionOptions insertionOptions;
     TLikelihoodOptions likelihoodOptions;
     TRenderingOptions renderingOptions;
@@ -83,7 +83,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
                              mrpt::maps::TMatchingExtraResults& extraResults) const override;
     mrpt::math::TBoundingBoxf boundingBox() const SUPERRAY_OVERRIDE_SINCE_2_11_3;
 
-   protected:
+ protected:
     CSuperRayMapBase(StorageType type, double resolution);
     ~CSuperRayMapBase() override;
     CSuperRayMapBase(const CSuperRayMapBase& other);
@@ -95,7 +95,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     /// On any error throws and leaves the map untouched.
     void readFrom(mrpt::serialization::CArchive& in, std::uint8_t version);
 
-   private:
+ private:
     using Storage = std::unique_ptr<OccupancyMap<Dim>>;
 
     void internal_clear() override;

@@ -25,7 +25,7 @@ struct MetricBounds {
 };
 
 class SuperRayMapInterface {
-   public:
+ public:
     virtual ~SuperRayMapInterface() = default;
 
     virtual int dimension() const = 0;

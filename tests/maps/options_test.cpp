@@ -1,0 +1,168 @@
+#include <mrpt/config/CConfigFileMemory.h>
+#include <superray/maps/options.h>
+
+#include "maps/test_scans.h"
+
+namespace superray {
+namespace {
+
+using mrpt::config::CConfigFileMemory;
+using test::messageOf;
+
+std::size_t linesOf(const std::string& text) {
+    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST(Options, TextRoundTripKeepsEveryBit) {
+    const std::string text = test::unusualOptions().toText();
+    TMapOptions read;
+    read.fromText(text);
+    EXPECT_EQ(read.toText(), text);
+    EXPECT_EQ(read.creation.resolution, 1.0 / 7);
+    EXPECT_EQ(read.insertion.heightBandMin, -1.0 / 3);
+
+    // Every line but the section headers and load_from differs from the default.
+    const std::string defaults = TMapOptions().toText();
+    ASSERT_EQ(linesOf(text), linesOf(defaults));
+    ASSERT_EQ(linesOf(text), 4u + 5u + 17u + 4u + 6u);
+    std::istringstream a(text), b(defaults);
+    std::size_t same = 0;
+    for (std::string x, y; std::getline(a, x) && std::getline(b, y);) same += x == y ? 1 : 0;
+    EXPECT_EQ(same, 5u);
+}
+
+TEST(Options, DefaultsAreThePapers) {
+    const TInsertionOptions o;
+    EXPECT_EQ(o.probHit, 0.7);
+    EXPECT_EQ(o.probMiss, 0.4);
+    EXPECT_EQ(o.clampingThresMin, 0.1192);
+    EXPECT_EQ(o.clampingThresMax, 0.971);
+    EXPECT_EQ(o.policy, UpdatePolicy::everyRay);
+    EXPECT_EQ(o.superRayThreshold, 20u);
+    EXPECT_EQ(o.rangeLimits().maximum, std::numeric_limits<double>::infinity());
+    EXPECT_NO_THROW(o.validate());
+}
+
+TEST(Options, SavingToAConfigFileAndLoadingGivesTheSame) {
+    const auto o = test::unusualOptions();
+    CConfigFileMemory file;
+    o.creation.saveToConfigFile(file, "m_creationOpts");
+    o.insertion.saveToConfigFile(file, "m_insertOpts");
+    o.likelihood.saveToConfigFile(file, "m_likelihoodOpts");
+    o.rendering.saveToConfigFile(file, "m_renderOpts");
+    TMapOptions read;
+    read.loadFromConfigFile(file, "m");
+    EXPECT_EQ(read.toText(), o.toText());
+}
+
+TEST(Options, CommentsAndCaseOfKeysAreAccepted) {
+    const CConfigFileMemory file(
+        std::string("[s]\n"
+                    "MaxRange = 7.5   // metres\n"
+                    "probhit  = 0.8   # as measured\n"
+                    "threads  = 2 ; two\n"
+                    "heightBandMax = +1.5\n"));
+    TInsertionOptions o;
+    o.loadFromConfigFile(file, "s");
+    EXPECT_EQ(o.maxrange, 7.5);
+    EXPECT_EQ(o.probHit, 0.8);
+    EXPECT_EQ(o.threads, 2u);
+    EXPECT_EQ(o.heightBandMax, 1.5);
+    EXPECT_EQ(o.probMiss, 0.4);
+}
+
+TEST(Options, AnUnknownKeyNamesTheClosest) {
+    const CConfigFileMemory file(
+        std::string("[map_insertOpts]\nmaxrange = 5\nprobHitt = 0.8\n"));
+    TInsertionOptions o;
+    const auto message = messageOf([&] { o.loadFromConfigFile(file, "map_insertOpts"); });
+    EXPECT_CONTAINS(message, "[map_insertOpts]");
+    EXPECT_CONTAINS(message, "probHitt");
+    EXPECT_CONTAINS(message, "did you mean probHit?");
+    EXPECT_EQ(o.maxrange, -1) << "nothing may change on error";
+}
+
+TEST(Options, AnUnknownSectionNamesTheClosest) {
+    const CConfigFileMemory file(std::string("[map_00_insertionOpts]\nmaxrange = 5\n"));
+    TMapOptions o;
+    const auto message = messageOf([&] { o.loadFromConfigFile(file, "map_00"); });
+    EXPECT_CONTAINS(message, "map_00_insertionOpts");
+    EXPECT_CONTAINS(message, "did you mean [map_00_insertOpts]?");
+}
+
+struct BadLine {
+    const char *section, *key, *value, *rule;
+};
+
+TEST(Options, BadValuesNameSectionKeyValueAndRule) {
+    const std::vector<BadLine> lines{
+        {"creationOpts", "resolution", "0", "resolution > 0"},
+        {"creationOpts", "resolution", "-0.1", "resolution > 0"},
+        {"creationOpts", "resolution", "nan", "resolution > 0"},
+        {"creationOpts", "resolution", "0.1m", "must be a number"},
+        {"creationOpts", "enableSaveAs3DObject", "maybe", "must be true or false"},
+        {"insertOpts", "probHit", "0.5", "0.5 < probHit < 1"},
+        {"insertOpts", "probMiss", "0.5", "0 < probMiss < 0.5"},
+        {"insertOpts", "clampingThresMin", "0.98", "clampingThresMin"},
+        {"insertOpts", "clampingThresMax", "0.1", "clampingThresMax"},
+        {"insertOpts", "occupancyThres", "1", "occupancyThres < 1"},
+        {"insertOpts", "policy", "twice", "everyRay or oncePerScan"},
+        {"insertOpts", "method", "fast", "superRays"},
+        {"insertOpts", "threads", "0", "threads"},
+        {"insertOpts", "threads", "-1", "whole number"},
+        {"insertOpts", "decimation", "0", "decimation >= 1"},
+        {"insertOpts", "decimation", "1.5", "whole number"},
+        {"insertOpts", "minrange", "-1", "minrange >= 0"},
+        {"insertOpts", "maxrange", "", "must be a number"},
+        {"insertOpts", "heightBandMin", "inf", "heightBandMin < heightBandMax"},
+        {"likelihoodOpts", "sigma", "0", "sigma > 0"},
+        {"likelihoodOpts", "maxDistance", "-1", "maxDistance > 0"},
+        {"likelihoodOpts", "unknownLikelihood", "1.1", "unknownLikelihood <= 1"},
+        {"likelihoodOpts", "decimation", "0", "decimation >= 1"},
+        {"renderOpts", "colour", "red", "height or occupancy"},
+    };
+    ASSERT_EQ(lines.size(), 24u);
+    for (const auto& line : lines) {
+        const CConfigFileMemory file("[m_" + std::string(line.section) + "]\n" + line.key +
+                                     " = " + line.value + "\n");
+        TMapOptions o;
+        const auto message = messageOf([&] { o.loadFromConfigFile(file, "m"); });
+        EXPECT_CONTAINS(message, "[m_" + std::string(line.section) + "]");
+        EXPECT_CONTAINS(message, std::string(line.key) + " = " + line.value);
+        EXPECT_CONTAINS(message, line.rule);
+        EXPECT_EQ(o.toText(), TMapOptions().toText());
+    }
+}
+
+TEST(Options, MinimumMustBeBelowMaximumRange) {
+    TInsertionOptions o;
+    o.minrange = 5;
+    EXPECT_NO_THROW(o.validate());
+    o.maxrange = 5;
+    EXPECT_CONTAINS(messageOf([&] { o.validate(); }), "minrange < maxrange");
+}
+
+TEST(Options, TextThatIsNotOursIsRejected) {
+    TMapOptions o;
+    EXPECT_THROW(o.fromText("resolution = 1\n"), std::invalid_argument);
+    EXPECT_THROW(o.fromText("[creationOpts]\nresolution 1\n"), std::invalid_argument);
+    EXPECT_THROW(o.fromText("[creationOpts]\nsize = 1\n"), std::invalid_argument);
+    EXPECT_THROW(o.fromText("[otherOpts]\n"), std::invalid_argument);
+    EXPECT_EQ(o.toText(), TMapOptions().toText());
+    o.insertion.sensorLabel = "two\nlines";
+    EXPECT_THROW(o.toText(), std::invalid_argument);
+    EXPECT_THROW(o.insertion.validate(), std::invalid_argument);
+}
+
+TEST(Options, SensorLabels) {
+    TInsertionOptions o;
+    EXPECT_TRUE(o.acceptsSensor("anything"));
+    o.sensorLabel = "KINECT, LASER 2";
+    EXPECT_TRUE(o.acceptsSensor("KINECT"));
+    EXPECT_TRUE(o.acceptsSensor("LASER 2"));
+    EXPECT_FALSE(o.acceptsSensor("LASER"));
+    EXPECT_FALSE(o.acceptsSensor(""));
+}
+
+}  // namespace
+}  // namespace superray
