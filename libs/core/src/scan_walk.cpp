@@ -1,0 +1,177 @@
+#include "scan_walk.h"
+
+#include <algorithm>
+#include <exception>
+#include <optional>
+#include <thread>
+
+#include "ray_frustum.h"
+
+namespace superray {
+namespace {
+
+/// Rays that repay a thread.
+constexpr std::size_t kRaysPerShare = 256;
+
+/// Adds the counts of `from` to `to`.
+template <int Dim>
+void mergeInto(WalkState<Dim>& to, const WalkState<Dim>& from) {
+    const auto add = [](std::uint8_t* sum, const std::uint8_t* more) {
+        for (int i = 0; i < kBlockCells<Dim>; ++i) {
+            const unsigned s = unsigned{sum[i]} + more[i];
+            sum[i] = static_cast<std::uint8_t>(s > 255 ? 255 : s);
+        }
+    };
+    for (std::size_t b = 0; b < from.batch.blockCount(); ++b) {
+        const std::uint32_t block = to.blockNumber(from.batch.key(b));
+        add(to.batch.missesOf(block), from.batch.misses(b));
+        if (from.batch.hits(b) != nullptr) add(to.batch.hitsOf(block), from.batch.hits(b));
+    }
+    to.traversed += from.traversed;
+}
+
+}  // namespace
+
+/// Runs work(share) for each share, the first in this thread.
+template <int Dim>
+template <typename Work>
+void ScanWalk<Dim>::inParallel(const Work& work) {
+    std::vector<std::exception_ptr> failures(shareCount_);
+    const auto guarded = [&](std::size_t s) {
+        try {
+            work(s, shares_[s]);
+        } catch (...) {
+            failures[s] = std::current_exception();
+        }
+    };
+    std::vector<std::thread> threads;
+    for (std::size_t s = 1; s < shareCount_; ++s) threads.emplace_back(guarded, s);
+    guarded(0);
+    for (std::thread& t : threads) t.join();
+    for (const std::exception_ptr& failure : failures)
+        if (failure) std::rethrow_exception(failure);
+}
+
+template <int Dim>
+void ScanWalk<Dim>::begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& extent,
+                          unsigned threads) {
+    rays_ = &rays;
+    blocks_ = extent.blocks();
+    shareCount_ =
+        std::max<std::size_t>(1, std::min<std::size_t>(threads, rays.size() / kRaysPerShare));
+    if (shares_.size() < shareCount_) shares_.resize(shareCount_);
+    inParallel([&](std::size_t s, Share& share) {
+        share.state.reset(blocks_);
+        share.ends.assign(rays, firstRay(s, rays.size()), firstRay(s + 1, rays.size()),
+                          blocks_);
+        share.deferred.clear();
+        share.culled = 0;
+    });
+}
+
+template <int Dim>
+std::size_t ScanWalk<Dim>::endCells() const {
+    std::size_t n = 0;
+    for (std::size_t s = 0; s < shareCount_; ++s) n += shares_[s].ends.distinct();
+    return n;
+}
+
+template <int Dim>
+void ScanWalk<Dim>::walkSuperRays(const std::vector<SuperRay>& superRays,
+                                  const CullingRegion<Dim>& region) {
+    inParallel([&](std::size_t s, Share& share) {
+        RayWalker<Dim> walker(share.state, *rays_, region);
+        const std::size_t end = firstRay(s + 1, superRays.size());
+        for (std::size_t i = firstRay(s, superRays.size()); i < end; ++i)
+            walker.walk(superRays[i].ray, superRays[i].weight);
+        share.culled += walker.culled();
+    });
+}
+
+template <int Dim>
+void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
+    const bool culling = !region.empty() && rays_->hasCommonOrigin();
+    inParallel([&](std::size_t s, Share& share) {
+        if (culling) share.ends.findEnclosed(region);
+        RayWalker<Dim> walker(share.state, *rays_, region);
+        const std::size_t end = firstRay(s + 1, rays_->size());
+        for (std::size_t i = firstRay(s, rays_->size()); i < end; ++i) {
+            if (culling && share.ends.enclosed(i))
+                ++share.culled;
+            else
+                walker.walk(i, 1);
+        }
+        share.culled += walker.culled();
+    });
+}
+
+template <int Dim>
+void ScanWalk<Dim>::walkDense(const SaturationSource<Dim>* map, float lowerClamp,
+                              std::uint32_t enough) {
+    const CullingRegion<Dim> noRegion;
+    snapshot_.assign(blocks_, map, lowerClamp);
+    inParallel([&](std::size_t, Share& share) {
+        share.ends.sortByEndCell();
+        const std::vector<std::uint32_t>& starts = share.ends.starts();
+        RayWalker<Dim> walker(share.state, *rays_, noRegion);
+        for (std::size_t g = 0; g + 1 < starts.size(); ++g) {
+            const std::uint32_t count = starts[g + 1] - starts[g];
+            // About twice the misses that saturate: cells at the rim of the
+            // frustum are in the way of only a part of the rays.
+            const RayGroup group{starts[g], starts[g + 1], std::max(1u, count / (2 * enough))};
+            if (walkGroup(walker, share, group, PartOfGroup::selection) && group.every > 1)
+                share.deferred.push_back(group);
+        }
+    });
+    for (std::size_t s = 0; s < shareCount_; ++s)
+        if (!shares_[s].deferred.empty()) snapshot_.add(shares_[s].state, enough);
+    inParallel([&](std::size_t, Share& share) {
+        RayWalker<Dim> walker(share.state, *rays_, noRegion);
+        for (const RayGroup& group : share.deferred)
+            walkGroup(walker, share, group, PartOfGroup::rest);
+    });
+}
+
+/// Walks a part of a group in the slices where its frustum is not saturated.
+/// \return false if there are none (the whole group is done)
+template <int Dim>
+bool ScanWalk<Dim>::walkGroup(RayWalker<Dim>& walker, Share& share, const RayGroup& group,
+                              PartOfGroup part) const {
+    const CellGeometry<Dim>& geometry = rays_->geometry();
+    const Point<Dim>& origin = rays_->commonOrigin();
+    const std::vector<std::uint32_t>& order = share.ends.order();
+    const auto frustum = RayFrustum<Dim>::of(RayLine<Dim>::unitsOf(geometry, origin),
+                                             geometry.cellOf(rays_->end(order[group.begin])));
+    std::optional<SliceRange> range;
+    if (frustum) range = frustum->unsaturated(snapshot_);
+    if (range && (range->from > 0 || range->empty())) share.culled += group.end - group.begin;
+    if (range && range->empty()) return false;
+    for (std::uint32_t i = group.begin; i < group.end; ++i) {
+        const bool selected = (i - group.begin) % group.every == 0;
+        if (selected != (part == PartOfGroup::selection)) continue;
+        const RayLine<Dim> line(geometry, origin, rays_->end(order[i]));
+        walker.walk(line, range.value_or(SliceRange{0, line.slices()}), 1);
+    }
+    return true;
+}
+
+template <int Dim>
+const WalkState<Dim>& ScanWalk<Dim>::finish() {
+    for (std::size_t s = 0; s < shareCount_; ++s) {
+        shares_[s].ends.addHits(shares_[s].state);
+        if (s > 0) mergeInto(shares_[0].state, shares_[s].state);
+    }
+    return shares_[0].state;
+}
+
+template <int Dim>
+std::uint64_t ScanWalk<Dim>::culled() const {
+    std::uint64_t n = 0;
+    for (std::size_t s = 0; s < shareCount_; ++s) n += shares_[s].culled;
+    return n;
+}
+
+template class ScanWalk<2>;
+template class ScanWalk<3>;
+
+}  // namespace superray
