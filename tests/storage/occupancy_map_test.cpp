@@ -202,7 +202,7 @@ TYPED_TEST(OccupancyMapContract, UniformBlockSplitsAndMergesAgain) {
     addRandomBlock<Dim>(misses, {}, Fill::saturating, this->random);
     addRandomBlock<Dim>(hits, {}, Fill::few, this->random);
     std::size_t uniformBytes = 0;
-    for (int round = 0; round < 5; ++round) {
+    for (int round = 0; round < 150; ++round) {
         this->applyToBoth(misses, UpdatePolicy::everyRay);
         ASSERT_TRUE(equalsOracle<Dim>(this->map, this->oracle));
         ASSERT_TRUE(saturationEquals<Dim>(this->map, this->oracle, this->model.min()));
@@ -214,6 +214,22 @@ TYPED_TEST(OccupancyMapContract, UniformBlockSplitsAndMergesAgain) {
         ASSERT_TRUE(equalsOracle<Dim>(this->map, this->oracle));
         ASSERT_TRUE(saturationEquals<Dim>(this->map, this->oracle, this->model.min()));
     }
+}
+
+TYPED_TEST(OccupancyMapContract, SaturatedBlocksTakeLittleMemory) {
+    constexpr int Dim = TypeParam::Dim;
+    constexpr std::int32_t edge = Dim == 3 ? 16 : 64;
+    std::size_t blocks = 0;
+    UpdateBatch<Dim> batch;
+    for (int i = 0; i < 4096; ++i, ++blocks) {
+        BlockKey<Dim> key;
+        for (int a = 0, rest = i; a < Dim; ++a, rest /= edge) key[a] = rest % edge - edge / 2;
+        addRandomBlock<Dim>(batch, key, Fill::saturating, this->random);
+    }
+    ASSERT_EQ(blocks, 4096u);
+    this->applyToBoth(batch, UpdatePolicy::everyRay);
+    EXPECT_LT(this->map.memoryBytes(), 32 * blocks + 100000) << "values are stored per cell";
+    EXPECT_TRUE(equalsOracle<Dim>(this->map, this->oracle));
 }
 
 TYPED_TEST(OccupancyMapContract, AddressableLimits) {
