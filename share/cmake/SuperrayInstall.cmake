@@ -15,3 +15,7 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/superray-config.cmake
         DESTINATION ${superray_cmake_dir})
 install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/share/config_files/
         DESTINATION ${CMAKE_INSTALL_DATADIR}/superray/config_files)
+
+# Installed anywhere, the program finds the library beside it.
+file(RELATIVE_PATH superray_bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
+set_target_properties(superray-map PROPERTIES INSTALL_RPATH "\$ORIGIN/${superray_bin_to_lib}")

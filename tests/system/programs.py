@@ -1,0 +1,73 @@
+"""Runs programs for the system tests.
+
+What to test comes from the environment:
+  SUPERRAY_MAP         the program superray-map
+  SUPERRAY_PLUGIN      libsuperray-maps.so
+  SUPERRAY_SOURCE_DIR  this repository
+  SUPERRAY_BUILD_DIR   where it was built
+"""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+DATASETS = pathlib.Path("/usr/share/mrpt/datasets")
+PLUGIN_MESSAGE = "map classes registered"
+
+
+def path_from_environment(name):
+    return pathlib.Path(os.environ[name]).resolve()
+
+
+class ProgramTest(unittest.TestCase):
+    """Each test runs in a folder of its own, removed afterwards."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="superray-test-")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.superray_map = path_from_environment("SUPERRAY_MAP")
+        self.plugin = path_from_environment("SUPERRAY_PLUGIN")
+        self.source = path_from_environment("SUPERRAY_SOURCE_DIR")
+        self.build = path_from_environment("SUPERRAY_BUILD_DIR")
+
+    def run_program(self, *command, preload=False):
+        """Runs a program that must succeed, without a keyboard: (output, errors)."""
+        program = shutil.which(str(command[0]))
+        self.assertIsNotNone(program, f"{command[0]} is not installed")
+        environment = dict(os.environ)
+        environment.pop("LD_PRELOAD", None)
+        if preload:
+            environment["LD_PRELOAD"] = str(self.plugin)
+        done = subprocess.run([program] + [str(c) for c in command[1:]],
+                              cwd=self.folder, env=environment, stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True, errors="replace")
+        self.assertEqual(done.returncode, 0,
+                         f"{command} failed:\n{done.stdout[-3000:]}{done.stderr[-3000:]}")
+        return done.stdout, done.stderr
+
+    def build_map(self, *arguments):
+        """Path of a map that superray-map built."""
+        self.maps_built = getattr(self, "maps_built", 0) + 1
+        path = self.folder / f"built{self.maps_built}.srmap"
+        self.run_program(self.superray_map, "build", *arguments, "-o", path)
+        return path
+
+    def info(self, path):
+        output, _ = self.run_program(self.superray_map, "info", path, "--json")
+        return json.loads(output)
+
+    def digest(self, path):
+        digest = self.info(path)["digest"]
+        self.assertRegex(digest, re.compile("^[0-9a-f]{32}$"))
+        return digest
+
+    def dataset(self, name):
+        path = DATASETS / name
+        self.assertTrue(path.exists(), f"no {path}: is mrpt-common installed?")
+        return path
