@@ -1,4 +1,10 @@
-superray_add_test(eval_trajectory_test SOURCES eval/trajectory_test.cpp LIBS superray::eval)
-superray_add_test(eval_rawlog_source_test SOURCES eval/rawlog_source_test.cpp LIBS superray::eval)
-superray_add_test(eval_scan_source_test SOURCES eval/scan_source_test.cpp LIBS superray::eval
-                                                                          octomap)
+# One executable per header of libs/eval; the command line has its own.
+foreach(name map_build map_compare map_output octomap_file progress_meter rawlog_source
+             scan_source trajectory)
+  superray_add_test(eval_${name}_test SOURCES eval/${name}_test.cpp LIBS superray::eval octomap)
+endforeach()
+
+superray_add_test(eval_cli_test SOURCES eval/cli_test.cpp LIBS superray::eval)
+target_compile_definitions(eval_cli_test
+                           PRIVATE SUPERRAY_MAP_APP="$<TARGET_FILE:superray-map>")
+add_dependencies(eval_cli_test superray-map)

@@ -107,7 +107,7 @@ mrpt::maps::CSimplePointsMap::Ptr readPoints(const fs::path& path) {
 class KittiSource final : public ScanSource {
  public:
     KittiSource(const fs::path& folder, const ScanSourceOptions& options) {
-        if (!options.sensorLabel.empty() && options.sensorLabel != kLabel)
+        if (!acceptsLabel(options, kLabel))
             throw InputError(folder.string() + ": the scans have the sensor label '" + kLabel +
                              "', but '" + options.sensorLabel + "' is asked for");
         const auto files = listScans(folder);

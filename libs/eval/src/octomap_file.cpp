@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -32,8 +33,10 @@ struct Leaf {
 class Bytes {
  public:
     explicit Bytes(const std::string& path) : path_(path) {
+        std::error_code error;
         std::ifstream file(path, std::ios::binary);
-        if (!file) throw InputError(path + ": cannot be opened for reading");
+        if (!file || std::filesystem::is_directory(path, error))
+            throw InputError(path + ": cannot be opened for reading");
         data_.assign(std::istreambuf_iterator<char>(file), {});
         if (file.bad()) throw InputError(path + ": cannot be read");
     }

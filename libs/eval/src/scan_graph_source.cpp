@@ -104,15 +104,17 @@ class GraphReader {
 };
 
 class ScanGraphSource final : public ScanSource {
+    static constexpr const char* kLabel = "GRAPH";
+
  public:
     ScanGraphSource(const std::string& path, const ScanSourceOptions& options)
         : lookup_(options), reader_(path) {
         if (options.poses == PoseOrigin::file)
             throw InputError(path +
                              ": a scan graph has no times, so a poses file cannot apply");
-        if (!options.sensorLabel.empty())
-            throw InputError(path + ": a scan graph has no sensor labels, but '" +
-                             options.sensorLabel + "' is asked for");
+        if (!acceptsLabel(options, kLabel))
+            throw InputError(path + ": the scans have the sensor label '" + kLabel +
+                             "', but '" + options.sensorLabel + "' is asked for");
         GraphReader check(path);
         std::uint32_t whole = 0;
         try {
@@ -137,7 +139,7 @@ class ScanGraphSource final : public ScanSource {
         if (delivered_ == total_) return std::nullopt;
         ++delivered_;
         auto observation = mrpt::obs::CObservationPointCloud::Create();
-        observation->sensorLabel = "GRAPH";
+        observation->sensorLabel = kLabel;
         observation->timestamp = mrpt::Clock::time_point();
         observation->pointcloud = reader_.readPoints();
         const auto pose = lookup_.pose(observation->timestamp, reader_.readPose());

@@ -4,6 +4,7 @@
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <superray/eval/input_error.h>
+#include <superray/maps/options.h>
 
 #include <cstdio>
 
@@ -36,10 +37,15 @@ bool isRangeObservation(const mrpt::obs::CObservation& observation) {
            IS_CLASS(observation, CObservationRotatingScan);
 }
 
+bool acceptsLabel(const ScanSourceOptions& options, const std::string& label) {
+    TInsertionOptions filter;
+    filter.sensorLabel = options.sensorLabel;
+    return filter.acceptsSensor(label);
+}
+
 bool hasWantedLabel(const mrpt::obs::CObservation& observation,
                     const ScanSourceOptions& options, SkippedObservations& skipped) {
-    if (options.sensorLabel.empty() || observation.sensorLabel == options.sensorLabel)
-        return true;
+    if (acceptsLabel(options, observation.sensorLabel)) return true;
     ++skipped.otherLabel;
     return false;
 }

@@ -18,6 +18,9 @@ std::unique_ptr<ScanSource> openKitti(const std::filesystem::path& folder,
 /// True for the observations that become rays: laser, depth and point scans.
 bool isRangeObservation(const mrpt::obs::CObservation& observation);
 
+/// True if the options ask for the sensor.
+bool acceptsLabel(const ScanSourceOptions& options, const std::string& label);
+
 /// True if a range observation is wanted; counts it as skipped if it is not.
 bool hasWantedLabel(const mrpt::obs::CObservation& observation,
                     const ScanSourceOptions& options, SkippedObservations& skipped);

@@ -42,6 +42,9 @@ MapDifference compareMaps(const OccupancyMap<Dim>& a, const OccupancyMap<Dim>& b
 ///         its files are believed to that precision.
 MapDifference compareMapFiles(const std::string& pathA, const std::string& pathB);
 
+/// The result in lines of text.
+std::string describe(const MapDifference& difference);
+
 extern template MapDifference compareMaps<2>(const OccupancyMap<2>&, const OccupancyMap<2>&,
                                              CellValues, float, float);
 extern template MapDifference compareMaps<3>(const OccupancyMap<3>&, const OccupancyMap<3>&,

@@ -37,7 +37,7 @@ enum class Truncation : std::uint8_t {
 struct ScanSourceOptions {
     PoseOrigin poses = PoseOrigin::input;
     std::string posesFile;    ///< TUM or MRPT text, see Trajectory::load()
-    std::string sensorLabel;  ///< only observations with this label; empty: all
+    std::string sensorLabel;  ///< comma-separated labels to deliver; empty: all
     Truncation truncation = Truncation::error;
     /// Deliver at most so many scans.
     std::uint64_t maxScans = std::numeric_limits<std::uint64_t>::max();

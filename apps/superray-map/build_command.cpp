@@ -1,0 +1,126 @@
+#include <superray/eval/map_build.h>
+#include <superray/eval/map_output.h>
+#include <superray/eval/map_request.h>
+#include <superray/eval/progress_meter.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "commands.h"
+
+namespace superray {
+namespace {
+
+constexpr char kExamples[] =
+    R"(Inputs: .rawlog (observations, or action/observation pairs), .simplemap,
+OctoMap's .graph, and folders of the KITTI odometry benchmark. Several inputs
+make one map. Poses come from the input unless --poses or --fixed-robot is given.
+
+Examples:
+  superray-map build room.rawlog -o room.srmap --resolution 0.05
+  superray-map build sequences/07 -o kitti.srmap --resolution 0.2 --threads 2
+  superray-map build log.rawlog -o log.srmap --poses log.tum --sensor HDL64
+  superray-map build one_scan.rawlog -o scan.srmap --fixed-robot
+  superray-map build log.rawlog -o plan.srmap --map CSuperRayGridMap2D
+  superray-map build log.rawlog -o log.srmap --config maps.ini --section room
+)";
+
+struct Arguments {
+    std::vector<std::string> inputs;
+    std::string output;
+    MapRequest map;
+    ScanSourceOptions source;
+    bool fixedRobot = false, acceptTruncated = false;
+};
+
+ScanSources openAll(const Arguments& arguments, const std::string& sensorLabels) {
+    ScanSourceOptions options = arguments.source;
+    options.sensorLabel = sensorLabels;
+    if (!options.posesFile.empty()) options.poses = PoseOrigin::file;
+    if (arguments.fixedRobot) options.poses = PoseOrigin::fixed;
+    if (arguments.acceptTruncated) options.truncation = Truncation::accept;
+    ScanSources sources;
+    for (const auto& input : arguments.inputs)
+        sources.push_back(openScanSource(input, options));
+    return sources;
+}
+
+int build(const Arguments& arguments) {
+    checkOutputPath(arguments.output, {".srmap"});
+    const auto map = makeMap(arguments.map);
+    const auto& info = dynamic_cast<const SuperRayMapInterface&>(*map);
+    const auto sources = openAll(arguments, info.options().insertion.sensorLabel);
+
+    BuildReport report;
+    {
+        const bool terminal = isatty(STDERR_FILENO) != 0;
+        ProgressMeter meter(
+            std::cerr, terminal ? ProgressMeter::Style::terminal : ProgressMeter::Style::log);
+        report = buildMap(sources, *map, arguments.source.maxScans,
+                          [&](const BuildProgress& progress) { meter.update(progress); });
+    }
+    info.saveToFile(arguments.output);
+
+    const auto cells = info.cellTotals();
+    std::cout << describe(report) << "cells      " << formatCount(cells.known)
+              << " known: " << formatCount(cells.occupied) << " occupied, "
+              << formatCount(cells.free) << " free\n"
+              << "output     " << arguments.output << ", "
+              << formatBytes(std::filesystem::file_size(arguments.output)) << "\n";
+    return kSuccess;
+}
+
+}  // namespace
+
+Command declareBuild(CLI::App& app) {
+    auto arguments = std::make_shared<Arguments>();
+    auto& a = *arguments;
+    app.footer(kExamples);
+    app.add_option("INPUT", a.inputs, "Recorded scans")->required()->type_name("FILE");
+    app.add_option("-o,--output", a.output, "Map to write (.srmap)")
+        ->required()
+        ->type_name("FILE");
+    app.add_option("--map", a.map.className,
+                   "CSuperRayGridMap3D (default), CSuperRayOctoMap, CSuperRayGridMap2D or "
+                   "CSuperRayQuadMap")
+        ->type_name("CLASS");
+    app.add_option("--resolution", a.map.resolution, "Cell edge; default 0.1")
+        ->type_name("METRES");
+    app.add_option("--max-range", a.map.maxRange,
+                   "Longer rays are cut here and only clear space; default: no limit")
+        ->type_name("METRES");
+    app.add_option("--min-range", a.map.minRange, "Nearer points are left out; default 0")
+        ->type_name("METRES");
+    app.add_option("--sensor", a.map.sensorLabels,
+                   "Sensor labels to use, comma-separated; default: all")
+        ->type_name("LABELS");
+    app.add_option("--scans", a.source.maxScans, "Stop after so many scans")->type_name("N");
+    auto* poses = app.add_option("--poses", a.source.posesFile,
+                                 "Robot poses: TUM (t x y z qx qy qz qw) or MRPT (t x y z yaw "
+                                 "pitch roll) text")
+                      ->type_name("FILE");
+    app.add_flag("--fixed-robot", a.fixedRobot, "The robot stays at the map's origin")
+        ->excludes(poses);
+    app.add_flag("--accept-truncated", a.acceptTruncated,
+                 "Map the whole scans of a broken input instead of refusing it");
+    app.add_option("--config", a.map.configFile, "Options from an .ini file")
+        ->type_name("FILE");
+    app.add_option("--section", a.map.section,
+                   "Its section: a multi-metric-map, or S of [S_creationOpts], [S_insertOpts], "
+                   "[S_likelihoodOpts], [S_renderOpts]")
+        ->type_name("S");
+    app.add_option("--policy", a.map.policy,
+                   "everyRay (default) or oncePerScan (as OctoMap's insertPointCloud)")
+        ->type_name("POLICY");
+    app.add_option(
+           "--method", a.map.method,
+           "auto (default), full, culling, superRays, perRay or reference: the same map "
+           "in other times")
+        ->type_name("METHOD");
+    app.add_option("--threads", a.map.threads, "Threads; default 1")->type_name("N");
+    return [arguments] { return build(*arguments); };
+}
+
+}  // namespace superray

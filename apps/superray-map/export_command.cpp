@@ -1,0 +1,51 @@
+#include <superray/eval/map_output.h>
+#include <superray/eval/progress_meter.h>
+#include <superray/maps/map_factory.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "commands.h"
+
+namespace superray {
+
+Command declareExport(CLI::App& app) {
+    struct Arguments {
+        std::string map, output;
+        PictureOptions picture;
+    };
+    auto arguments = std::make_shared<Arguments>();
+    app.footer(
+        "The format follows from the name of the output:\n"
+        "  .ot       OctoMap, log-odds (3D maps)\n"
+        "  .bt       OctoMap, occupied or free only (3D maps)\n"
+        "  .ply      occupied cells as points with probability\n"
+        "  .3Dscene  MRPT scene, for SceneViewer3D\n"
+        "  .png      picture\n\n"
+        "Examples:\n"
+        "  superray-map export drive.srmap drive.ot\n"
+        "  superray-map export hall.srmap hall.png --cut-above 4\n");
+    app.add_option("MAP", arguments->map, "Map (.srmap)")->required()->type_name("FILE");
+    app.add_option("OUT", arguments->output, "File to write: .bt, .ot, .ply, .3Dscene or .png")
+        ->required()
+        ->type_name("FILE");
+    app.add_option("--cut-above", arguments->picture.cutAbove,
+                   "Pictures of 3D maps: leave out what is above this height")
+        ->type_name("METRES");
+    app.add_option("--width", arguments->picture.width,
+                   "Pictures of 3D maps: pixels; default 1600")
+        ->type_name("N");
+    app.add_option("--height", arguments->picture.height, "Likewise; default 900")
+        ->type_name("N");
+    return [arguments] {
+        const auto map = loadMap(arguments->map);
+        exportMap(dynamic_cast<const SuperRayMapInterface&>(*map), arguments->output,
+                  arguments->picture);
+        std::cout << arguments->output << ", "
+                  << formatBytes(std::filesystem::file_size(arguments->output)) << "\n";
+        return int{kSuccess};
+    };
+}
+
+}  // namespace superray

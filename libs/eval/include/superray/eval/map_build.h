@@ -1,0 +1,50 @@
+#pragma once
+/// \file map_build.h
+/// Recorded scans in, a map out, with progress and an account of what was done.
+
+#include <mrpt/maps/CMetricMap.h>
+#include <superray/eval/scan_source.h>
+#include <superray/maps/insertion_report.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace superray {
+
+/// How far a build is.
+struct BuildProgress {
+    std::uint64_t scans = 0, totalScans = 0;
+    std::uint64_t rays = 0;  ///< inserted so far
+    double seconds = 0;      ///< since the first scan
+};
+
+/// What a build did.
+struct BuildReport {
+    std::uint64_t scans = 0;      ///< delivered by the inputs
+    std::uint64_t unusable = 0;   ///< of those, without ranges or points that the map takes
+    SkippedObservations skipped;  ///< left out by the inputs
+    TInsertionReport insertion;   ///< sums over all scans
+    double readSeconds = 0;       ///< reading and decoding of the inputs
+    double totalSeconds = 0;
+    std::vector<std::string> warnings;
+};
+
+/// Inputs in the order they are mapped.
+using ScanSources = std::vector<std::unique_ptr<ScanSource>>;
+
+/// Inserts the scans of all inputs, one input after the other.
+/// \param maxScans stop after so many scans
+/// \param onScan called after every scan
+/// \throws InputError if an input breaks, a scan cannot be inserted, or none
+///         could be used
+BuildReport buildMap(const ScanSources& sources, mrpt::maps::CMetricMap& map,
+                     std::uint64_t maxScans,
+                     const std::function<void(const BuildProgress&)>& onScan);
+
+/// The account in lines of text, without the map's own numbers.
+std::string describe(const BuildReport& report);
+
+}  // namespace superray

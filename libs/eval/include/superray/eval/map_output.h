@@ -1,0 +1,26 @@
+#pragma once
+/// \file map_output.h
+/// Writing maps for other programs: whole files or none.
+
+#include <superray/eval/map_picture.h>
+#include <superray/maps/super_ray_map_interface.h>
+
+#include <string>
+#include <vector>
+
+namespace superray {
+
+/// Checks, before long work, that a file could be written at `path`.
+/// \param extensions the ones allowed, e.g. {".srmap"}
+/// \throws InputError naming the path and what is wrong with it
+void checkOutputPath(const std::string& path, const std::vector<std::string>& extensions);
+
+/// Writes a map in the format of the extension: .bt, .ot (OctoMap, 3D), .ply,
+/// .3Dscene (MRPT), .png (picture). The file is written beside `path` and
+/// renamed when whole, so that an error leaves an old file as it was.
+/// \throws InputError for an unknown extension or a format that the map cannot
+///         take; std::exception if it cannot be written
+void exportMap(const SuperRayMapInterface& map, const std::string& path,
+               const PictureOptions& picture = {});
+
+}  // namespace superray

@@ -1,0 +1,71 @@
+#include <superray/eval/input_error.h>
+#include <superray/eval/map_output.h>
+#include <superray/maps/super_ray_map_base.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+namespace superray {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kExportExtensions = {".bt", ".ot", ".ply", ".3Dscene", ".png"};
+
+void writePng(const SuperRayMapInterface& map, const std::string& path,
+              const PictureOptions& picture) {
+    const auto* map3 = dynamic_cast<const CSuperRayMapBase<3>*>(&map);
+    if (map3 == nullptr) return map.exportPicture(path);
+    if (!drawMap(map3->storage(), map3->sensorModel(), picture).saveToFile(path))
+        throw InputError(path + ": cannot be written");
+}
+
+void write(const SuperRayMapInterface& map, const std::string& extension,
+           const std::string& path, const PictureOptions& picture) {
+    if (extension == ".bt" || extension == ".ot") return map.exportOctomap(path);
+    if (extension == ".ply") return map.exportPly(path);
+    if (extension == ".3Dscene") return map.exportScene(path);
+    writePng(map, path, picture);
+}
+
+}  // namespace
+
+void checkOutputPath(const std::string& path, const std::vector<std::string>& extensions) {
+    const fs::path file(path);
+    if (std::find(extensions.begin(), extensions.end(), file.extension()) == extensions.end()) {
+        std::string known;
+        for (const auto& e : extensions) known += (known.empty() ? "" : ", ") + e;
+        throw InputError(path + ": unknown kind of output; its name must end in " + known);
+    }
+    std::error_code error;
+    if (fs::is_directory(file, error)) throw InputError(path + ": is a folder");
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    if (!fs::is_directory(folder, error))
+        throw InputError(path + ": the folder " + folder.string() + " does not exist");
+    if (access(folder.c_str(), W_OK) != 0)
+        throw InputError(path + ": the folder " + folder.string() + " cannot be written to");
+}
+
+void exportMap(const SuperRayMapInterface& map, const std::string& path,
+               const PictureOptions& picture) {
+    checkOutputPath(path, kExportExtensions);
+    const std::string extension = fs::path(path).extension().string();
+    fs::path temporary = path;
+    temporary.replace_extension();
+    temporary += ".writing-" + std::to_string(getpid()) + extension;
+    std::error_code ignored;
+    try {
+        write(map, extension, temporary.string(), picture);
+        fs::rename(temporary, path);
+    } catch (const std::invalid_argument& e) {
+        fs::remove(temporary, ignored);
+        throw InputError(path + ": " + oneLineCause(e));
+    } catch (...) {
+        fs::remove(temporary, ignored);
+        throw;
+    }
+}
+
+}  // namespace superray

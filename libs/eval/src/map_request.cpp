@@ -1,0 +1,95 @@
+#include <mrpt/config/CConfigFileMemory.h>
+#include <superray/eval/input_error.h>
+#include <superray/eval/map_request.h>
+#include <superray/maps/map_factory.h>
+#include <superray/maps/super_ray_map_interface.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+namespace superray {
+namespace {
+
+constexpr char kDefaultClass[] = "CSuperRayGridMap3D";
+
+SuperRayMapInterface& interfaceOf(mrpt::maps::CMetricMap& map) {
+    return dynamic_cast<SuperRayMapInterface&>(map);
+}
+
+/// Reads the file ourselves: MRPT takes one that is not there for an empty one.
+mrpt::config::CConfigFileMemory readConfig(const std::string& path) {
+    std::ifstream file(path);
+    std::error_code error;
+    if (!file || std::filesystem::is_directory(path, error))
+        throw InputError(path + ": cannot open the configuration file");
+    mrpt::config::CConfigFileMemory config;
+    config.setContent(std::string(std::istreambuf_iterator<char>(file), {}));
+    return config;
+}
+
+bool startsWith(const std::string& text, const std::string& start) {
+    return text.compare(0, start.size(), start) == 0;
+}
+
+/// True if a multi-metric-map section: it has a key like superRayGridMap3D_count.
+bool definesMaps(const mrpt::config::CConfigFileBase& config, const std::string& section) {
+    std::vector<std::string> keys;
+    config.getAllKeys(section, keys);
+    return std::any_of(keys.begin(), keys.end(), [](const std::string& key) {
+        return key.size() > 6 && key.compare(key.size() - 6, 6, "_count") == 0;
+    });
+}
+
+mrpt::maps::CMetricMap::Ptr fromConfig(const MapRequest& request) {
+    if (request.section.empty())
+        throw InputError(request.configFile +
+                         ": which section of the configuration file? (--section S)");
+    const auto config = readConfig(request.configFile);
+    std::vector<std::string> sections;
+    config.getAllSections(sections);
+    const bool named = std::any_of(sections.begin(), sections.end(), [&](const auto& s) {
+        return s == request.section || startsWith(s, request.section + "_");
+    });
+    if (!named)
+        throw InputError(request.configFile + ": has neither a section [" + request.section +
+                         "] nor any [" + request.section + "_...]");
+    try {
+        if (definesMaps(config, request.section)) {
+            auto map = createMapFromConfig(config, request.section);
+            if (!request.className) return map;
+            auto other = createMap(*request.className);
+            interfaceOf(*other).setOptions(interfaceOf(*map).options());
+            return other;
+        }
+        auto map = createMap(request.className.value_or(kDefaultClass));
+        interfaceOf(*map).setOptionsFromConfig(config, request.section);
+        return map;
+    } catch (const std::exception& e) {
+        throw InputError(request.configFile + ": " + oneLineCause(e));
+    }
+}
+
+}  // namespace
+
+mrpt::maps::CMetricMap::Ptr makeMap(const MapRequest& request) {
+    if (request.configFile.empty() && !request.section.empty())
+        throw InputError("a section ('" + request.section + "') needs a configuration file");
+    auto map = request.configFile.empty() ? createMap(request.className.value_or(kDefaultClass))
+                                          : fromConfig(request);
+    TMapOptions options = interfaceOf(*map).options();
+    auto& insertion = options.insertion;
+    options.creation.resolution = request.resolution.value_or(options.creation.resolution);
+    insertion.maxrange = request.maxRange.value_or(insertion.maxrange);
+    insertion.minrange = request.minRange.value_or(insertion.minrange);
+    insertion.threads = request.threads.value_or(insertion.threads);
+    insertion.sensorLabel = request.sensorLabels.value_or(insertion.sensorLabel);
+    if (request.policy) insertion.policy = updatePolicyFromString(*request.policy);
+    if (request.method) insertion.method = methodFromString(*request.method);
+    interfaceOf(*map).setOptions(options);
+    return map;
+}
+
+}  // namespace superray

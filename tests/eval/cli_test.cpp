@@ -1,0 +1,207 @@
+// The program itself: what it writes, prints and returns.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <regex>
+
+#include "eval/recorded_scans.h"
+#include "eval/temp_folder.h"
+
+namespace superray {
+namespace {
+
+using namespace test;
+using mrpt::poses::CPose3D;
+
+struct Result {
+    int code;
+    std::string out, error;
+};
+
+/// Runs superray-map with arguments as a shell splits them.
+Result run(const TempFolder& folder, const std::string& arguments) {
+    const auto out = folder / "stdout", error = folder / "stderr";
+    const int status = std::system(
+        ("'" SUPERRAY_MAP_APP "' " + arguments + " >'" + out + "' 2>'" + error + "' </dev/null")
+            .c_str());
+    EXPECT_TRUE(WIFEXITED(status)) << arguments;
+    return {WEXITSTATUS(status), readWholeFile(out), readWholeFile(error)};
+}
+
+std::string runOk(const TempFolder& folder, const std::string& arguments) {
+    const auto r = run(folder, arguments);
+    EXPECT_EQ(r.code, 0) << arguments << "\n" << r.error;
+    EXPECT_EQ(r.error.find("rror"), std::string::npos) << arguments << "\n" << r.error;
+    return r.out;
+}
+
+/// One line on stderr, naming `part`; exit code 2.
+void expectError(const TempFolder& folder, const std::string& arguments,
+                 const std::string& part) {
+    const auto r = run(folder, arguments);
+    EXPECT_EQ(r.code, 2) << arguments;
+    EXPECT_EQ(r.error.rfind("superray-map: error: ", 0), 0u) << r.error;
+    EXPECT_EQ(std::count(r.error.begin(), r.error.end(), '\n'), 1) << r.error;
+    EXPECT_NE(r.error.find(part), std::string::npos) << arguments << "\n" << r.error;
+}
+
+std::string digestOf(const TempFolder& folder, const std::string& map) {
+    const auto json = runOk(folder, "info --json '" + map + "'");
+    std::smatch match;
+    EXPECT_TRUE(std::regex_search(json, match, std::regex("\"digest\": \"([0-9a-f]{32})\"")));
+    return match.size() == 2 ? match[1].str() : "";
+}
+
+std::string makeRecording(const TempFolder& folder) {
+    Objects objects;
+    for (int i = 0; i < 4; ++i) {
+        objects.push_back(makePose(i, CPose3D(0.3 * i, 0, 0, 0.2 * i, 0, 0)));
+        objects.push_back(makeCloud(i, static_cast<unsigned>(i), "LIDAR", 400));
+    }
+    return writeRawlog(folder / "a.rawlog", objects);
+}
+
+TEST(Cli, buildsInspectsExportsAndCompares) {
+    TempFolder folder;
+    const std::string in = "'" + makeRecording(folder) + "'";
+    const auto file = [&](const std::string& name) { return " '" + (folder / name) + "'"; };
+
+    const auto summary =
+        runOk(folder, "build " + in + " -o" + file("a.srmap") + " --resolution 0.2");
+    EXPECT_NE(summary.find("scans      4"), std::string::npos) << summary;
+    EXPECT_NE(summary.find("rays       1,600"), std::string::npos) << summary;
+    EXPECT_NE(summary.find("a.srmap"), std::string::npos) << summary;
+
+    EXPECT_NE(runOk(folder, "info" + file("a.srmap")).find("CSuperRayGridMap3D"),
+              std::string::npos);
+    for (const char* name : {"a.ot", "a.bt", "a.ply", "a.3Dscene", "a.png"}) {
+        runOk(folder, "export" + file("a.srmap") + file(name));
+        EXPECT_GT(std::filesystem::file_size(folder / name), 0u);
+    }
+    for (const char* name : {"a.srmap", "a.ot", "a.bt"})
+        EXPECT_NE(runOk(folder, "compare" + file("a.srmap") + file(name)).find("identical"),
+                  std::string::npos);
+
+    runOk(folder, "build " + in + " -o" + file("b.srmap") + " --resolution 0.2 --scans 3");
+    const auto different = run(folder, "compare" + file("a.srmap") + file("b.srmap"));
+    EXPECT_EQ(different.code, 1);
+    EXPECT_NE(different.out.find("different"), std::string::npos);
+    EXPECT_NE(digestOf(folder, folder / "a.srmap"), digestOf(folder, folder / "b.srmap"));
+
+    runOk(folder, "build " + in + " -o" + file("plan.srmap") + " --map CSuperRayGridMap2D");
+    runOk(folder, "export" + file("plan.srmap") + file("plan.png"));
+    expectError(folder, "export" + file("plan.srmap") + file("plan.ot"), "plan.ot");
+    expectError(folder, "compare" + file("a.srmap") + file("plan.srmap"), "dimensions");
+}
+
+TEST(Cli, helpTeachesAndVersionIsTold) {
+    TempFolder folder;
+    for (const char* arguments :
+         {"--help", "build --help", "info --help", "export --help", "compare --help"})
+        EXPECT_NE(runOk(folder, arguments).find("  superray-map "), std::string::npos)
+            << arguments;
+    EXPECT_NE(runOk(folder, "--version").find("superray-map "), std::string::npos);
+}
+
+TEST(Cli, saysWhatIsWrongInOneLineAndKeepsTheOldOutput) {
+    TempFolder folder;
+    const auto recording = makeRecording(folder);
+    const std::string in = " '" + recording + "'";
+    const std::string out = " -o '" + folder.write("old.srmap", "old") + "' ";
+    const auto whole = readWholeFile(recording);
+    folder.write("cut.rawlog", whole.substr(0, whole.size() * 3 / 4));
+    writeRawlog(folder / "poseless.rawlog", {makeCloud(1, 1)});
+    const auto file = [&](const std::string& name) { return " '" + (folder / name) + "' "; };
+
+    expectError(folder, "", "subcommand");
+    expectError(folder, "frobnicate", "");
+    expectError(folder, "build", "required");
+    expectError(folder, "build" + in, "--output");
+    expectError(folder, "build" + in + out + "--frobnicate", "--frobnicate");
+    expectError(folder, "build" + file("absent.rawlog") + out, "absent.rawlog");
+    expectError(folder, "build" + file("cut.rawlog") + out, "cut.rawlog");
+    expectError(folder, "build" + file("poseless.rawlog") + out, "no robot poses");
+    expectError(folder, "build" + in + " -o" + file("a.map"), "must end in .srmap");
+    expectError(folder, "build" + in + " -o" + file("none/a.srmap"), "does not exist");
+    expectError(folder, "build" + in + out + "--resolution 0", "resolution");
+    expectError(folder, "build" + in + out + "--resolution nan", "resolution");
+    expectError(folder, "build" + in + out + "--resolution wide", "--resolution");
+    expectError(folder, "build" + in + out + "--max-range 1 --min-range 2", "range");
+    expectError(folder, "build" + in + out + "--threads 0", "threads");
+    expectError(folder, "build" + in + out + "--scans 0", "at least 1");
+    expectError(folder, "build" + in + out + "--method fast", "fast");
+    expectError(folder, "build" + in + out + "--policy seldom", "seldom");
+    expectError(folder, "build" + in + out + "--map COctoMap", "COctoMap");
+    expectError(folder, "build" + in + out + "--sensor CAMERA", "CAMERA");
+    expectError(folder, "build" + in + out + "--poses" + file("absent.tum"), "absent.tum");
+    expectError(folder, "build" + in + out + "--config" + file("absent.ini") + "--section s",
+                "absent.ini");
+    expectError(folder, "info" + file("absent.srmap"), "absent.srmap");
+    expectError(folder, "info" + file("old.srmap"), "old.srmap");
+    expectError(folder, "export" + file("old.srmap") + file("a.ot"), "old.srmap");
+    expectError(folder, "compare" + file("old.srmap") + file("old.srmap"), "old.srmap");
+    EXPECT_EQ(readWholeFile(folder / "old.srmap"), "old");
+
+    runOk(folder, "build --accept-truncated" + file("cut.rawlog") + "-o" + file("cut.srmap"));
+    runOk(folder, "build --fixed-robot" + file("poseless.rawlog") + "-o" + file("one.srmap"));
+}
+
+TEST(Cli, jsonIsValid) {
+    TempFolder folder;
+    if (std::system("python3 -c 'import json' 2>/dev/null") != 0)
+        GTEST_SKIP() << "PYTHON3 ABSENT: JSON NOT TESTED";
+    const std::string name = folder / "quo\"te\\ \xc3\xa9 \xff.srmap";
+    runOk(folder, "build '" + makeRecording(folder) + "' -o '" + name +
+                      "' --sensor 'LIDAR,a \"quoted\" label'");
+    const auto json = runOk(folder, "info --json '" + name + "'");
+    const auto path = folder.write("info.json", json);
+    EXPECT_EQ(std::system(("python3 -m json.tool '" + path + "' >/dev/null").c_str()), 0)
+        << json;
+}
+
+struct Sequence {
+    const char *name, *options;
+};
+
+class CliOnRealData : public testing::TestWithParam<Sequence> {};
+
+/// The promise of the library: the same map by every way to compute it.
+TEST_P(CliOnRealData, everyMethodGivesTheSameDigest) {
+    TempFolder folder;
+    const std::string in =
+        std::string(SUPERRAY_SHARED_DATA_DIR) + "/" + GetParam().name + ".rawlog";
+    if (!std::filesystem::exists(in))
+        GTEST_SKIP() << "REAL DATA ABSENT: " << in << "; NOT TESTED";
+    const auto out = folder / "a.srmap";
+    std::string expected;
+    int builds = 0;
+    for (const char* method : {"reference", "perRay", "superRays", "culling", "full", "auto"}) {
+        for (const char* threads : {"1", "2"}) {
+            for (const char* map : {"CSuperRayGridMap3D", "CSuperRayOctoMap"}) {
+                runOk(folder, "build '" + in + "' -o '" + out + "' " + GetParam().options +
+                                  " --method " + method + " --threads " + threads + " --map " +
+                                  map);
+                const auto digest = digestOf(folder, out);
+                if (expected.empty()) expected = digest;
+                EXPECT_EQ(digest, expected) << method << " " << threads << " " << map;
+                ++builds;
+            }
+        }
+    }
+    EXPECT_EQ(expected.size(), 32u);
+    EXPECT_EQ(builds, 24);
+}
+
+// Two scans and short rays: the reference takes its time.
+INSTANTIATE_TEST_SUITE_P(
+    Sequences, CliOnRealData,
+    testing::Values(Sequence{"rgbd_room", "--resolution 0.05 --scans 2"},
+                    Sequence{"ouster_hall", "--resolution 0.2 --scans 2 --max-range 12"},
+                    Sequence{"kitti_hdl64", "--resolution 0.2 --scans 2 --max-range 12"}),
+    [](const auto& sequence) { return std::string(sequence.param.name); });
+
+}  // namespace
+}  // namespace superray
