@@ -139,6 +139,27 @@ TEST(Insertion, UnsupportedEmptyAndUnwantedObservationsChangeNothing) {
     EXPECT_TRUE(map.insertObservation(*scan));
 }
 
+TEST(Insertion, BadPosesAndMissingFilesAreErrorsThatLeaveTheMap) {
+    CSuperRayGridMap3D map(0.1);
+    ASSERT_TRUE(map.insertObservation(*test::randomCloud(100, 1)));
+    const auto before = map.digest();
+    const double nan = std::nan("");
+    EXPECT_CONTAINS(test::messageOf([&] {
+                        map.insertObservation(*test::randomCloud(100, 2),
+                                              mrpt::poses::CPose3D(nan, 0, 0, 0, 0, 0));
+                    }),
+                    "sensor origin");
+    auto external = test::randomCloud(1, 1);
+    external->setAsExternalStorage(
+        "/no/such/cloud.bin",
+        mrpt::obs::CObservationPointCloud::ExternalStorageFormat::MRPT_Serialization);
+    external->pointcloud.reset();
+    EXPECT_CONTAINS(test::messageOf([&] { map.insertObservation(*external); }),
+                    "/no/such/cloud.bin");
+    EXPECT_EQ(map.digest(), before);
+    EXPECT_EQ(map.totals().scans, 1u);
+}
+
 TEST(Insertion, TheReportCountsRaysAndWhatWasLeftOut) {
     auto scan = test::randomCloud(100, 1);
     scan->pointcloud->insertPoint(std::nanf(""), 0, 0);

@@ -110,6 +110,12 @@ TEST(Registration, LoadFromStartsWithASavedMap) {
     EXPECT_EQ(super.shortClassName(), "CSuperRayOctoMap");
     EXPECT_EQ(super.digest(), saved.digest());
     EXPECT_EQ(super.options().insertion.maxrange, 3);
+    EXPECT_EQ(super.resolution(), 0.25);
+
+    const auto other = createMap("CSuperRayGridMap3D");
+    test::interfaceOf(*other).setOptionsFromConfig(file, "m_superRayOctoMap_00");
+    EXPECT_EQ(test::interfaceOf(*other).digest(), saved.digest());
+    EXPECT_EQ(test::interfaceOf(*other).optionsAsIniText(), super.optionsAsIniText());
 }
 
 TEST(Registration, DefinitionsByClassNameAndDump) {

@@ -26,10 +26,6 @@ Created createFrom(const mrpt::maps::TMetricMapInitializer& definition) {
     options.creation.enableObservationInsertion =
         definition.genericMapParams.enableObservationInsertion;
     auto map = std::make_unique<Map>(options.creation.resolution);
-    if (!options.creation.load_from.empty()) {
-        map->loadFromFile(options.creation.load_from);
-        options.creation.resolution = map->resolution();
-    }
     map->setOptions(options);
     if constexpr (std::is_pointer_v<Created>) {
         return map.release();

@@ -103,7 +103,11 @@ void CSuperRayMapBase<Dim>::setOptions(const TMapOptions& o) {
     o.creation.validate();
     o.insertion.validate();
     o.likelihood.validate();
-    setResolution(o.creation.resolution);
+    if (o.creation.load_from.empty()) {
+        setResolution(o.creation.resolution);
+    } else {
+        loadFromFile(o.creation.load_from);
+    }
     assignOptions(o);
 }
 

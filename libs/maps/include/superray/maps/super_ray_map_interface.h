@@ -52,8 +52,9 @@ class SuperRayMapInterface {
     /// All options (a copy; `creation` holds the resolution and the generic
     /// parameters that are in force).
     virtual TMapOptions options() const = 0;
-    /// Replaces all options but load_from. The resolution may change only while
-    /// the map is empty. \throws std::invalid_argument, std::logic_error
+    /// Replaces all options. With load_from, the contents and the resolution of
+    /// that file too; else the resolution may change only while the map is empty.
+    /// \throws std::invalid_argument, std::logic_error, MapFileError
     virtual void setOptions(const TMapOptions& options) = 0;
     /// Reads the sections `<prefix>_creationOpts`, `<prefix>_insertOpts`, ...;
     /// what they do not name is kept. \throws as setOptions()
