@@ -5,9 +5,8 @@
 #include <superray/core/ray_line.h>
 
 #include <algorithm>
-#include <optional>
 
-#include "saturation_snapshot.h"
+#include "walk_kernel.h"
 
 namespace superray {
 
@@ -17,90 +16,48 @@ struct SliceRange {
     bool empty() const { return from >= to; }
 };
 
+/// Bounds of lines with one origin and one end cell. Lines of one dominant
+/// axis are ordered by their slopes: of two, the steeper is nowhere behind.
 template <int Dim>
 class RayFrustum {
  public:
-    /// Nothing if rays to that cell can have different dominant axes (cells on
-    /// a diagonal, or next to the sensor's).
-    static std::optional<RayFrustum> of(const Units<Dim>& origin, const Cell<Dim>& endCell) {
-        RayFrustum f;
-        Units<Dim> start, shortest, longest;
-        for (int a = 0; a < Dim; ++a) {
-            const std::int32_t startCell = RayLine<Dim>::cellOfUnits(origin[a]);
-            f.flip_[a] = endCell[a] < startCell ? -1 : 0;
-            start[a] = f.flip_[a] != 0 ? -origin[a] : origin[a];
-            f.first_[a] = startCell ^ f.flip_[a];
-            f.last_[a] = endCell[a] ^ f.flip_[a];
-            // Where the cells are equal, rays may run either way, but stay.
-            const bool stays = f.first_[a] == f.last_[a];
-            const std::int64_t border = std::int64_t{f.last_[a]} << kUnitBits;
-            shortest[a] = stays ? 0 : border + 1 - start[a];
-            longest[a] = border + kUnitsPerCell - 1 - start[a];
-            if (stays) longest[a] = std::max(longest[a], start[a] - border - 1);
-            if (shortest[a] > shortest[f.dominant_]) f.dominant_ = a;
-        }
-        const int d = f.dominant_;
-        for (int a = 0; a < Dim; ++a)
-            if (a != d && longest[a] >= shortest[d]) return std::nullopt;
-        if (shortest[d] == 0) return std::nullopt;
+    explicit RayFrustum(const RayLine<Dim>& line) : low_(line), high_(line) {}
 
-        const std::int64_t toBorder = ((std::int64_t{f.first_[d]} + 1) << kUnitBits) - start[d];
+    /// Makes room for a line. False, and no change, if it has another dominant
+    /// axis or direction (end cells on a diagonal, or next to the sensor's).
+    bool include(const RayLine<Dim>& line) {
+        if (line.dominant != low_.dominant || line.flip != low_.flip) return false;
         for (int a = 0; a < Dim; ++a) {
-            if (a == d || f.first_[a] == f.last_[a]) continue;
-            f.lowSlope_[a] = RayLine<Dim>::slopeOf(shortest[a], longest[d]);
-            f.highSlope_[a] = RayLine<Dim>::slopeOf(longest[a], shortest[d]);
-            f.lowExit_[a] = start[a] + ((toBorder * f.lowSlope_[a]) >> kUnitBits);
-            f.highExit_[a] = start[a] + ((toBorder * f.highSlope_[a]) >> kUnitBits);
+            low_.slope[a] = std::min(low_.slope[a], line.slope[a]);
+            low_.exit0[a] = std::min(low_.exit0[a], line.exit0[a]);
+            high_.slope[a] = std::max(high_.slope[a], line.slope[a]);
+            high_.exit0[a] = std::max(high_.exit0[a], line.exit0[a]);
         }
-        return f;
+        return true;
     }
 
-    std::int32_t slices() const { return last_[dominant_] - first_[dominant_] + 1; }
+    std::int32_t slices() const { return low_.slices(); }
 
-    /// The slices from the first to the last in which a cell of the frustum is
-    /// not saturated. The end cell does not count: no ray of these misses it.
-    SliceRange unsaturated(const SaturationSnapshot<Dim>& snapshot) const {
-        SliceRange range{slices(), 0};
-        for (std::int32_t k = 0; k < slices(); ++k) {
-            if (saturated(k, snapshot)) continue;
-            range.from = std::min(range.from, k);
-            range.to = k + 1;
-        }
+    /// Of the slices in `range`, from the first to the last that has a cell of
+    /// the frustum with fewer than `enough` misses counted in `state`. The end
+    /// cell does not matter: no ray of these misses it.
+    SliceRange unsaturated(WalkState<Dim>& state, std::uint32_t enough,
+                           SliceRange range) const {
+        while (!range.empty() && saturated(range.from, state, enough)) ++range.from;
+        while (!range.empty() && saturated(range.to - 1, state, enough)) --range.to;
         return range;
     }
 
-    /// Mirrored bounds (inclusive) of the cells that rays visit in a slice.
-    void bounds(std::int32_t k, Cell<Dim>& from, Cell<Dim>& to) const {
-        for (int a = 0; a < Dim; ++a) {
-            if (a == dominant_ || first_[a] == last_[a]) {
-                from[a] = to[a] = a == dominant_ ? first_[a] + k : first_[a];
-                continue;
-            }
-            // Lines of one start are ordered by slope: the steepest is ahead.
-            from[a] = k == 0 ? first_[a]
-                             : RayLine<Dim>::cellOfUnits(lowExit_[a] + (k - 1) * lowSlope_[a]);
-            to[a] = k + 1 == slices()
-                        ? last_[a]
-                        : std::min(last_[a],
-                                   RayLine<Dim>::cellOfUnits(highExit_[a] + k * highSlope_[a]));
-        }
-    }
-    Cell<Dim> unmirrored(Cell<Dim> c) const {
-        for (int a = 0; a < Dim; ++a) c[a] ^= flip_[a];
-        return c;
-    }
-
  private:
-    bool saturated(std::int32_t k, const SaturationSnapshot<Dim>& snapshot) const {
+    bool saturated(std::int32_t k, WalkState<Dim>& state, std::uint32_t enough) const {
         Cell<Dim> from, to;
-        bounds(k, from, to);
+        for (int a = 0; a < Dim; ++a) {
+            from[a] = low_.entryCell(a, k);
+            to[a] = high_.exitCell(a, k);
+        }
         Cell<Dim> c = from;
         for (;;) {
-            if (c != last_) {
-                const Cell<Dim> cell = unmirrored(c);
-                const BlockMask<Dim>* mask = snapshot.mask(blockOf<Dim>(cell));
-                if (mask == nullptr || !mask->test(indexInBlock<Dim>(cell))) return false;
-            }
+            if (c != low_.last && state.misses(low_.unmirrored(c)) < enough) return false;
             int a = 0;
             while (a < Dim && c[a] == to[a]) {
                 c[a] = from[a];
@@ -111,9 +68,7 @@ class RayFrustum {
         }
     }
 
-    int dominant_ = 0;
-    Cell<Dim> flip_{}, first_{}, last_{};
-    Units<Dim> lowSlope_{}, highSlope_{}, lowExit_{}, highExit_{};
+    RayLine<Dim> low_, high_;  // only slope and exit0 differ
 };
 
 }  // namespace superray

@@ -44,6 +44,9 @@ class RayWalker {
         kernel_(state_, line, range.from, range.to);
     }
 
+    /// Counts what is still pending.
+    void flush() { state_.flush(weight_); }
+
     /// Rays of which the region took a part.
     std::uint64_t culled() const { return culled_; }
 

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <exception>
-#include <optional>
 #include <thread>
 
 #include "ray_frustum.h"
 
 namespace superray {
 namespace {
+
+/// Rays to one end cell that are walked between two looks at their frustum.
+constexpr std::uint32_t kRaysPerLook = 8;
 
 /// Rays that repay a thread.
 constexpr std::size_t kRaysPerShare = 256;
@@ -64,7 +66,6 @@ void ScanWalk<Dim>::begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& ext
         share.state.reset(blocks_);
         share.ends.assign(rays, firstRay(s, rays.size()), firstRay(s + 1, rays.size()),
                           blocks_);
-        share.deferred.clear();
         share.culled = 0;
     });
 }
@@ -109,50 +110,46 @@ template <int Dim>
 void ScanWalk<Dim>::walkDense(const SaturationSource<Dim>* map, float lowerClamp,
                               std::uint32_t enough) {
     const CullingRegion<Dim> noRegion;
-    snapshot_.assign(blocks_, map, lowerClamp);
     inParallel([&](std::size_t, Share& share) {
+        share.state.countMapSaturation(map, lowerClamp);
         share.ends.sortByEndCell();
         const std::vector<std::uint32_t>& starts = share.ends.starts();
+        const std::uint32_t* order = share.ends.order().data();
         RayWalker<Dim> walker(share.state, *rays_, noRegion);
-        for (std::size_t g = 0; g + 1 < starts.size(); ++g) {
-            const std::uint32_t count = starts[g + 1] - starts[g];
-            // About twice the misses that saturate: cells at the rim of the
-            // frustum are in the way of only a part of the rays.
-            const RayGroup group{starts[g], starts[g + 1], std::max(1u, count / (2 * enough))};
-            if (walkGroup(walker, share, group, PartOfGroup::selection) && group.every > 1)
-                share.deferred.push_back(group);
-        }
-    });
-    for (std::size_t s = 0; s < shareCount_; ++s)
-        if (!shares_[s].deferred.empty()) snapshot_.add(shares_[s].state, enough);
-    inParallel([&](std::size_t, Share& share) {
-        RayWalker<Dim> walker(share.state, *rays_, noRegion);
-        for (const RayGroup& group : share.deferred)
-            walkGroup(walker, share, group, PartOfGroup::rest);
+        for (std::size_t g = 0; g + 1 < starts.size(); ++g)
+            walkGroup(walker, share, order + starts[g], order + starts[g + 1], enough);
     });
 }
 
-/// Walks a part of a group in the slices where its frustum is not saturated.
-/// \return false if there are none (the whole group is done)
+/// Walks the rays [begin, end), all to one end cell.
 template <int Dim>
-bool ScanWalk<Dim>::walkGroup(RayWalker<Dim>& walker, Share& share, const RayGroup& group,
-                              PartOfGroup part) const {
+void ScanWalk<Dim>::walkGroup(RayWalker<Dim>& walker, Share& share, const std::uint32_t* begin,
+                              const std::uint32_t* end, std::uint32_t enough) const {
+    std::vector<RayLine<Dim>>& lines = share.lines;
+    lines.clear();
     const CellGeometry<Dim>& geometry = rays_->geometry();
-    const Point<Dim>& origin = rays_->commonOrigin();
-    const std::vector<std::uint32_t>& order = share.ends.order();
-    const auto frustum = RayFrustum<Dim>::of(RayLine<Dim>::unitsOf(geometry, origin),
-                                             geometry.cellOf(rays_->end(order[group.begin])));
-    std::optional<SliceRange> range;
-    if (frustum) range = frustum->unsaturated(snapshot_);
-    if (range && (range->from > 0 || range->empty())) share.culled += group.end - group.begin;
-    if (range && range->empty()) return false;
-    for (std::uint32_t i = group.begin; i < group.end; ++i) {
-        const bool selected = (i - group.begin) % group.every == 0;
-        if (selected != (part == PartOfGroup::selection)) continue;
-        const RayLine<Dim> line(geometry, origin, rays_->end(order[i]));
-        walker.walk(line, range.value_or(SliceRange{0, line.slices()}), 1);
+    const Units<Dim> origin = RayLine<Dim>::unitsOf(geometry, rays_->commonOrigin());
+    for (const std::uint32_t* ray = begin; ray != end; ++ray)
+        lines.emplace_back(origin, RayLine<Dim>::unitsOf(geometry, rays_->end(*ray)));
+    RayFrustum<Dim> frustum(lines.front());
+    // Lines of another kind than the first are walked at once, in full.
+    const auto alike =
+        std::partition(lines.begin(), lines.end(),
+                       [&](const RayLine<Dim>& line) { return frustum.include(line); });
+    for (auto line = alike; line != lines.end(); ++line)
+        walker.walk(*line, {0, line->slices()}, 1);
+    lines.erase(alike, lines.end());
+
+    // Evenly spread rays first: ray i, i + strides, i + 2 strides, ...
+    const std::size_t strides = (lines.size() + kRaysPerLook - 1) / kRaysPerLook;
+    walker.flush();
+    SliceRange range = frustum.unsaturated(share.state, enough, {0, frustum.slices()});
+    for (std::size_t i = 0; i < strides && !range.empty(); ++i) {
+        for (std::size_t r = i; r < lines.size(); r += strides) walker.walk(lines[r], range, 1);
+        walker.flush();
+        range = frustum.unsaturated(share.state, enough, range);
+        if (range.empty()) share.culled += lines.size() - (i + 1) * lines.size() / strides;
     }
-    return true;
 }
 
 template <int Dim>

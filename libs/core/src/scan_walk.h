@@ -7,7 +7,6 @@
 
 #include "end_cells.h"
 #include "ray_walker.h"
-#include "saturation_snapshot.h"
 #include "scan_extent.h"
 
 #include <vector>
@@ -35,9 +34,8 @@ class ScanWalk {
     void walkEach(const CullingRegion<Dim>& region);
 
     /// For scans with many rays per end cell and one origin. Rays to an end
-    /// cell walk only the slices in which their frustum has unsaturated cells;
-    /// and of far more rays than needed to saturate the cells on the way, an
-    /// even selection goes first. What that leaves unsaturated, the rest walk.
+    /// cell are walked a few at a time, and only in the slices in which their
+    /// frustum still has unsaturated cells: after the first few, none has.
     /// \param enough misses after which more change nothing
     void walkDense(const SaturationSource<Dim>* map, float lowerClamp, std::uint32_t enough);
 
@@ -47,18 +45,11 @@ class ScanWalk {
     std::uint64_t culled() const;
 
  private:
-    /// Rays to one end cell: EndCells::order()[begin .. end), of which each
-    /// `every`-th is the selection that is walked first.
-    struct RayGroup {
-        std::uint32_t begin, end, every;
-    };
-    enum class PartOfGroup { selection, rest };
-
     /// One thread's part of a scan.
     struct Share {
         WalkState<Dim> state;
         EndCells<Dim> ends;
-        std::vector<RayGroup> deferred;
+        std::vector<RayLine<Dim>> lines;
         std::uint64_t culled = 0;
     };
 
@@ -67,14 +58,13 @@ class ScanWalk {
     std::size_t firstRay(std::size_t share, std::size_t rays) const {
         return rays * share / shareCount_;
     }
-    bool walkGroup(RayWalker<Dim>& walker, Share& share, const RayGroup& group,
-                   PartOfGroup part) const;
+    void walkGroup(RayWalker<Dim>& walker, Share& share, const std::uint32_t* begin,
+                   const std::uint32_t* end, std::uint32_t enough) const;
 
     const RayBundle<Dim>* rays_ = nullptr;
     BlockBox<Dim> blocks_;
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
-    SaturationSnapshot<Dim> snapshot_;
 };
 
 }  // namespace superray

@@ -2,6 +2,7 @@
 // Ray walks into an update batch: one kernel per instruction set, equal cells.
 
 #include <superray/core/ray_line.h>
+#include <superray/core/scan_integrator.h>
 #include <superray/core/traversal.h>
 #include <superray/core/update_batch.h>
 
@@ -47,6 +48,19 @@ struct WalkState {
         batch.clear();
         directory.reset(box);
         traversed = 0;
+        map_ = nullptr;
+    }
+    /// From now on, new blocks start with the greatest count where the map is
+    /// saturated free: more misses change nothing there, and a count tells both
+    /// what the map and what this scan has saturated.
+    /// \param map nullptr: none; must outlive the scan
+    void countMapSaturation(const SaturationSource<Dim>* map, float lowerClamp) {
+        map_ = map;
+        lowerClamp_ = lowerClamp;
+    }
+    /// Misses of a cell counted so far (after flush()).
+    std::uint32_t misses(const Cell<Dim>& cell) {
+        return batch.missesOf(blockNumber(blockOf<Dim>(cell)))[indexInBlock<Dim>(cell)];
     }
     /// Batch block of a block, made on first use.
     std::uint32_t blockNumber(const BlockKey<Dim>& key) {
@@ -77,8 +91,19 @@ struct WalkState {
     std::uint32_t makeBlock(const BlockKey<Dim>& key) {
         const std::uint32_t block = batch.addBlock(key);
         directory.setNumber(key, block + 1);
+        if (map_ != nullptr) {
+            if (const BlockMask<Dim>* saturated = map_->saturatedFree(key, lowerClamp_)) {
+                std::uint8_t* counts = batch.missesOf(block);
+                for (int i = 0; i < kBlockCells<Dim>; ++i)
+                    if (saturated->test(i)) counts[i] = UpdateBatch<Dim>::kMaxCount;
+            }
+        }
         return block;
     }
+
+ private:
+    const SaturationSource<Dim>* map_ = nullptr;
+    float lowerClamp_ = 0;
 };
 
 /// Appends the free cells of a ray in the slices [from, to).

@@ -130,7 +130,9 @@ inline RayLine<Dim>::RayLine(const Units<Dim>& from, const Units<Dim>& to) {
     const std::int64_t toBorder =
         ((std::int64_t{first[dominant]} + 1) << kUnitBits) - start[dominant];
     for (int a = 0; a < Dim; ++a) {
-        slope[a] = slopeOf(extent[a], extent[dominant]);
+        // The dominant axis advances a whole cell per slice: no division.
+        slope[a] = a == dominant ? (extent[a] > 0 ? kUnitsPerCell : 0)
+                                 : slopeOf(extent[a], extent[dominant]);
         exit0[a] = start[a] + ((toBorder * slope[a]) >> kUnitBits);
     }
 }
