@@ -67,6 +67,6 @@ cat <<END
 Look at them:
   the pictures      any viewer, e.g. xdg-open $out/room.png
   the maps in 3D    SceneViewer3D $out/room.3Dscene
-  in OctoMap        octovis $out/room.ot
+  in OctoMap        octovis $out/room.ot   (Debian package octovis)
   the numbers       $superray_map info $out/room.srmap
 END
