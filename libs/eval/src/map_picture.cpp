@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -102,8 +103,8 @@ struct View {
             x.push_back(p.dot(right));
             y.push_back(p.dot(up));
         }
-        const Interval ix = mostOf(std::move(x), 0.005), iy = mostOf(std::move(y), 0.005);
-        constexpr float kFilled = 0.90f;
+        const Interval ix = mostOf(std::move(x), 0.01), iy = mostOf(std::move(y), 0.01);
+        constexpr float kFilled = 0.86f;
         const auto w = static_cast<float>(width), h = static_cast<float>(height);
         scale = kFilled * std::min(w / (ix.length() + 2), h / (iy.length() + 2));
         shift = {0.5f * w - scale * ix.center(), 0.5f * h + scale * iy.center()};
@@ -113,6 +114,7 @@ struct View {
 struct Scene {
     CellSet cells;
     std::vector<Vector3f> centers;  // [cells]
+    Vector2f center{0, 0};          // mean, horizontal [cells]
     Interval heights;               // [cells]
     float resolution = 1;           // [m]
 };
@@ -125,6 +127,9 @@ Vector3f lowerCorner(const Cell<3>& c) {
 void drawCube(const Scene& scene, const Cell<3>& cell, const View& view, Canvas& canvas) {
     // Light from above, so that the three directions differ.
     constexpr float kLight[3] = {0.80f, 0.64f, 1.0f};
+    // Cells smaller than this would hardly be seen.
+    constexpr float kLeastPixels = 1.6f;
+    const float size = std::max(1.0f, kLeastPixels / view.scale);
     const float height = static_cast<float>(cell[2]) + 0.5f;
     const Rgb colour =
         heightColour((height - scene.heights.low) / std::max(1.0f, scene.heights.length()));
@@ -134,10 +139,11 @@ void drawCube(const Scene& scene, const Cell<3>& cell, const View& view, Canvas&
         Cell<3> neighbour = cell;
         neighbour[axis] += facing > 0 ? 1 : -1;
         if (scene.cells.has(neighbour)) continue;
-        Vector3f corner = lowerCorner(cell);
-        if (facing > 0) corner[static_cast<int>(axis)] += 1;
+        Vector3f corner = lowerCorner(cell) + Vector3f::Constant(0.5f * (1 - size));
+        if (facing > 0) corner[static_cast<int>(axis)] += size;
         const auto edge = [&](std::size_t i) {
-            return view.projectDirection(Vector3f::Unit(static_cast<int>((axis + i) % 3)));
+            return view.projectDirection(size *
+                                         Vector3f::Unit(static_cast<int>((axis + i) % 3)));
         };
         canvas.fill({view.project(corner), edge(1), edge(2), colour * kLight[axis]});
     }
@@ -146,7 +152,7 @@ void drawCube(const Scene& scene, const Cell<3>& cell, const View& view, Canvas&
 void drawPanel(const Scene& scene, const View& view, CImage& image, int left, int width) {
     Canvas canvas(width, static_cast<int>(image.getHeight()));
     scene.cells.forEach([&](const Cell<3>& cell) { drawCube(scene, cell, view, canvas); });
-    canvas.shadeByDepth(std::max(3.0f, 0.03f * scene.heights.length()));
+    canvas.shadeByDepth(std::max({3.0f, 0.03f * scene.heights.length(), 8 / view.scale}));
     canvas.copyTo(image, left, kBackgroundTop, kBackgroundBottom);
 }
 
@@ -194,18 +200,35 @@ void drawHeightLegend(CImage& image, const Scene& scene) {
 }
 
 /// Direction of the longest horizontal extent [rad].
-float mainDirection(const std::vector<Vector3f>& points) {
-    Eigen::Vector2d mean(0, 0);
-    for (const auto& p : points) mean += p.head<2>().cast<double>();
-    mean /= static_cast<double>(points.size());
+float mainDirection(const Scene& scene) {
     double xx = 0, xy = 0, yy = 0;
-    for (const auto& p : points) {
-        const Eigen::Vector2d d = p.head<2>().cast<double>() - mean;
+    for (const auto& p : scene.centers) {
+        const Eigen::Vector2d d = (p.head<2>() - scene.center).cast<double>();
         xx += d.x() * d.x();
         xy += d.x() * d.y();
         yy += d.y() * d.y();
     }
     return static_cast<float>(0.5 * std::atan2(2 * xy, xx - yy));
+}
+
+/// Azimuth [rad] from which what is high stands behind what is low, of those
+/// that show the longest extent across the picture.
+float bestAzimuth(const Scene& scene, float along) {
+    float best = 0;
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const float offset : {-0.36f, 0.36f, 0.64f, -0.64f}) {
+        const float azimuth = along + offset * kPi;
+        const Vector2f towards(std::cos(azimuth), std::sin(azimuth));
+        double highInFront = 0;
+        for (const auto& p : scene.centers)
+            highInFront += double{p.z() - scene.heights.center()} *
+                           double{p.head<2>().dot(towards) - scene.center.dot(towards)};
+        if (highInFront < lowest) {
+            lowest = highInFront;
+            best = azimuth;
+        }
+    }
+    return best;
 }
 
 /// The cells to draw.
@@ -232,6 +255,9 @@ Scene makeScene(const OccupancyMap<3>& map, const SensorModel& model, double cut
             "there is nothing to draw: the map has no occupied cell" +
             std::string(std::isfinite(cutAbove) ? " below the cut" : ""));
     scene.heights = mostOf(std::move(heights), 0.01);
+    Eigen::Vector2d sum(0, 0);
+    for (const auto& p : scene.centers) sum += p.head<2>().cast<double>();
+    scene.center = (sum / static_cast<double>(scene.centers.size())).cast<float>();
     return scene;
 }
 
@@ -251,10 +277,11 @@ CImage drawMap(const OccupancyMap<3>& map, const SensorModel& model,
     const Scene scene = makeScene(map, model, options.cutAbove);
     CImage image(static_cast<unsigned>(options.width), static_cast<unsigned>(options.height),
                  mrpt::img::CH_RGB);
-    const float along = mainDirection(scene.centers);
-    const int obliqueWidth = options.width * 2 / 3;
-    View oblique = View::from(along - kPi * 0.36f, kPi * 0.20f);
-    oblique.frame(scene.centers, obliqueWidth, options.height);
+    const float along = mainDirection(scene);
+    const int obliqueWidth = options.width * 2 / 3, legendWidth = 80;
+    View oblique = View::from(bestAzimuth(scene, along), kPi * 0.20f);
+    oblique.frame(scene.centers, obliqueWidth - legendWidth, options.height);
+    oblique.shift.x() += static_cast<float>(legendWidth);
     drawPanel(scene, oblique, image, 0, obliqueWidth);
 
     // The longest extent runs up the narrow panel.
@@ -270,6 +297,7 @@ CImage drawMap(const OccupancyMap<3>& map, const SensorModel& model,
     drawScaleBar(image, 0, obliqueWidth, perMetre(oblique), white);
     drawScaleBar(image, obliqueWidth, planWidth, perMetre(plan), white);
     drawHeightLegend(image, scene);
+    image.filledRectangle(obliqueWidth, 0, obliqueWidth, options.height - 1, TColor(60, 66, 78));
     return image;
 }
 
