@@ -231,7 +231,10 @@ TEST(Insertion, RaysOfTheCaller) {
     CSuperRayGridMap2D map(0.5);
     RayBundle<2> rays(CellGeometry<2>(0.5), {0.1, 0.1});
     rays.add({2.1, 0.1});
+    rays.add({std::nan(""), 0.1});
     map.insertRays(rays);
+    EXPECT_EQ(map.lastInsertion().rays, 1u);
+    EXPECT_EQ(map.lastInsertion().skipped.notFinite, 1u);
     EXPECT_EQ(map.summary().known, 5u);
     EXPECT_EQ(map.summary().occupied, 1u);
     EXPECT_EQ(*map.storage().logOdds({4, 0}), map.sensorModel().hit());

@@ -130,6 +130,9 @@ TEST(Matching, RatioOfPointsNearOccupiedCells) {
     EXPECT_EQ(map.compute3DMatchingRatio(&points, CPose3D(), params), 1.0f);
     EXPECT_EQ(map.compute3DMatchingRatio(&points, CPose3D(0.15, 0, 0, 0, 0, 0), params), 1.0f);
     EXPECT_EQ(map.compute3DMatchingRatio(&points, CPose3D(0.4, 0, 0, 0, 0, 0), params), 0.0f);
+    // 0.19 m before the wall, in a cell that reaches to 0.1 m of it.
+    EXPECT_EQ(map.compute3DMatchingRatio(&points, CPose3D(-0.24, 0, 0, 0, 0, 0), params), 0.0f);
+    EXPECT_EQ(map.compute3DMatchingRatio(&points, CPose3D(-0.19, 0, 0, 0, 0, 0), params), 1.0f);
     // Half of the wall shifted past its end.
     EXPECT_NEAR(map.compute3DMatchingRatio(&points, CPose3D(0, 1, 0, 0, 0, 0), params), 0.55f,
                 0.051f);

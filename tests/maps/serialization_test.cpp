@@ -108,6 +108,18 @@ TEST(Serialization, DamagedStreamsThrowAndLeaveTheMap) {
     EXPECT_GE(refused, 248u);
 }
 
+TEST(Serialization, AChangedDigitOfAnOptionIsNoticed) {
+    auto bytes = bytesOf(*makeFilled("CSuperRayGridMap3D"));
+    const std::string marker = "probHit = 0.65";
+    const auto text = std::search(bytes.begin(), bytes.end(), marker.begin(), marker.end());
+    ASSERT_NE(text, bytes.end());
+    *(text + static_cast<std::ptrdiff_t>(marker.size()) - 1) = '6';
+    mrpt::io::CMemoryStream stream(bytes.data(), bytes.size());
+    CSuperRayGridMap3D target;
+    EXPECT_CONTAINS(test::messageOf([&] { archiveFrom(stream) >> target; }), "checksum");
+    EXPECT_TRUE(target.isEmpty());
+}
+
 TEST(Serialization, AWrongSizeIsNotAllocated) {
     // Class name and version as MRPT writes them, then a size of 2^60.
     auto bytes = bytesOf(CSuperRayGridMap2D());
