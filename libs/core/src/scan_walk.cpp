@@ -144,12 +144,14 @@ void ScanWalk<Dim>::walkGroup(RayWalker<Dim>& walker, Share& share, const std::u
     const std::size_t strides = (lines.size() + kRaysPerLook - 1) / kRaysPerLook;
     walker.flush();
     SliceRange range = frustum.unsaturated(share.state, enough, {0, frustum.slices()});
+    std::size_t walked = 0;
     for (std::size_t i = 0; i < strides && !range.empty(); ++i) {
-        for (std::size_t r = i; r < lines.size(); r += strides) walker.walk(lines[r], range, 1);
+        for (std::size_t r = i; r < lines.size(); r += strides, ++walked)
+            walker.walk(lines[r], range, 1);
         walker.flush();
         range = frustum.unsaturated(share.state, enough, range);
-        if (range.empty()) share.culled += lines.size() - (i + 1) * lines.size() / strides;
     }
+    share.culled += lines.size() - walked;
 }
 
 template <int Dim>

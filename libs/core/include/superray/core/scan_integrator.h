@@ -43,7 +43,7 @@ struct ScanStatistics {
     std::uint64_t rays = 0;            ///< rays in the bundle
     std::uint64_t superRays = 0;       ///< rays walked after grouping
     std::uint64_t traversedCells = 0;  ///< free cells visited
-    std::uint64_t raysCulled = 0;      ///< rays shortened by the culling region
+    std::uint64_t raysCulled = 0;      ///< rays cut short or left out: the rest is saturated
     std::uint64_t cullingCells = 0;    ///< cells in the culling region
     std::uint64_t touchedBlocks = 0;
     double superRaySeconds = 0, cullingSeconds = 0, traversalSeconds = 0;
