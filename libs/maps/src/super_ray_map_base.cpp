@@ -280,7 +280,8 @@ std::shared_ptr<mrpt::opengl::COctoMapVoxels> CSuperRayMapBase<Dim>::visualizati
         visualizationOptions_ = key;
     }
     // A copy: callers may move or recolour what they get.
-    return std::make_shared<mrpt::opengl::COctoMapVoxels>(*visualization_);
+    return std::dynamic_pointer_cast<mrpt::opengl::COctoMapVoxels>(
+        visualization_->duplicateGetSmartPtr());
 }
 
 template <int Dim>
