@@ -7,6 +7,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <ostream>
 #include <random>
 #include <string>
 
@@ -160,6 +161,10 @@ struct Recording {
     std::uint64_t scans;
 };
 
+void PrintTo(const Recording& r, std::ostream* out) {
+    *out << r.scans << " scans of " << r.name << ", " << r.resolution << " m";
+}
+
 std::string nameOf(const testing::TestParamInfo<Recording>& test) {
     return std::string(test.param.name) + "_" +
            std::to_string(static_cast<int>(test.param.resolution * 1000)) + "mm";
@@ -178,10 +183,10 @@ TEST_P(RecordedAgreement, sharedSequence) {
 
 INSTANTIATE_TEST_SUITE_P(Sequences, RecordedAgreement,
                          testing::Values(Recording{"rgbd_room", 0.05, 3},
-                                         Recording{"ouster_hall", 0.1, 3},
+                                         Recording{"ouster_hall", 0.1, 2},
                                          Recording{"ouster_hall", 0.2, 3},
                                          Recording{"kitti_hdl64", 0.1, 1},
-                                         Recording{"kitti_hdl64", 0.2, 2}),
+                                         Recording{"kitti_hdl64", 0.2, 1}),
                          nameOf);
 
 class PackagedAgreement : public testing::TestWithParam<Recording> {};
