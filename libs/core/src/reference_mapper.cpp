@@ -18,7 +18,7 @@ int nextAxis(const RayLine<Dim>& line, const Cell<Dim>& cell) {
     Wide bestDistance = 0, bestSlope = 1;
     const auto consider = [&](int a) {
         if (cell[a] == line.last[a]) return;
-        const Wide distance = Wide{(std::int64_t{cell[a]} + 1) << kUnitBits} - line.exit0[a];
+        const Wide distance = Wide{(std::int64_t{cell[a]} + 1) * kUnitsPerCell} - line.exit0[a];
         const Wide slope = line.slope[a];
         if (best < 0 || distance * bestSlope < bestDistance * slope) {
             best = a;

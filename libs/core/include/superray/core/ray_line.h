@@ -108,8 +108,8 @@ struct RayLine {
     /// the border beyond cell cb (both not dominant; exact, ties as above).
     bool crossesBefore(int a, std::int32_t ca, int b, std::int32_t cb) const {
         __extension__ using Wide = __int128;
-        const Wide left = Wide{((std::int64_t{ca} + 1) << kUnitBits) - exit0[a]} * slope[b];
-        const Wide right = Wide{((std::int64_t{cb} + 1) << kUnitBits) - exit0[b]} * slope[a];
+        const Wide left = Wide{(std::int64_t{ca} + 1) * kUnitsPerCell - exit0[a]} * slope[b];
+        const Wide right = Wide{(std::int64_t{cb} + 1) * kUnitsPerCell - exit0[b]} * slope[a];
         return left != right ? left < right : a > b;
     }
 };
@@ -128,7 +128,7 @@ inline RayLine<Dim>::RayLine(const Units<Dim>& from, const Units<Dim>& to) {
     }
     // Fraction of a slice from the start to the first dominant border, < 2^31.
     const std::int64_t toBorder =
-        ((std::int64_t{first[dominant]} + 1) << kUnitBits) - start[dominant];
+        (std::int64_t{first[dominant]} + 1) * kUnitsPerCell - start[dominant];
     for (int a = 0; a < Dim; ++a) {
         // The dominant axis advances a whole cell per slice: no division.
         slope[a] = a == dominant ? (extent[a] > 0 ? kUnitsPerCell : 0)

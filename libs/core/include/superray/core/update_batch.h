@@ -12,7 +12,7 @@ namespace superray {
 /// Per-cell miss and hit counts of a scan in 8^Dim blocks.
 ///
 /// Counts are 8 bit and saturate at 255: the sensor model needs at most
-/// missesToSaturate() (default 14) of them, beyond which more change nothing.
+/// missesToSaturate() (default 15) of them, beyond which more change nothing.
 /// (ScanIntegrator counts exactly by another way where a model needs more.)
 template <int Dim>
 class UpdateBatch {
