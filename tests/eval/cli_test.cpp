@@ -164,6 +164,9 @@ TEST(Cli, jsonIsValid) {
 
 struct Sequence {
     const char *name, *options;
+    friend std::ostream& operator<<(std::ostream& out, const Sequence& s) {
+        return out << s.options;
+    }
 };
 
 class CliOnRealData : public testing::TestWithParam<Sequence> {};
