@@ -58,14 +58,13 @@ template <int Dim>
 void ScanWalk<Dim>::begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& extent,
                           unsigned threads) {
     rays_ = &rays;
-    blocks_ = extent.blocks();
+    const BlockBox<Dim> blocks = extent.blocks();
     shareCount_ =
         std::max<std::size_t>(1, std::min<std::size_t>(threads, rays.size() / kRaysPerShare));
     if (shares_.size() < shareCount_) shares_.resize(shareCount_);
     inParallel([&](std::size_t s, Share& share) {
-        share.state.reset(blocks_);
-        share.ends.assign(rays, firstRay(s, rays.size()), firstRay(s + 1, rays.size()),
-                          blocks_);
+        share.state.reset(blocks);
+        share.ends.assign(rays, firstRay(s, rays.size()), firstRay(s + 1, rays.size()), blocks);
         share.culled = 0;
     });
 }

@@ -62,7 +62,6 @@ class ScanWalk {
                    const std::uint32_t* end, std::uint32_t enough) const;
 
     const RayBundle<Dim>* rays_ = nullptr;
-    BlockBox<Dim> blocks_;
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
 };
