@@ -196,6 +196,31 @@ TYPED_TEST(OccupancyMapContract, SetBlockChangesKnownCellsOnly) {
     EXPECT_TRUE(saturationEquals<Dim>(this->map, this->oracle, this->model.min()));
 }
 
+TYPED_TEST(OccupancyMapContract, VisitBlockEqualsForEachBlock) {
+    constexpr int Dim = TypeParam::Dim;
+    UpdateBatch<Dim> uniform;  // a block that a tree prunes
+    addRandomBlock<Dim>(uniform, this->cell(77, 78), Fill::hitsOnly, this->random);
+    for (int scan = 0; scan < 9; ++scan) this->applyToBoth(uniform, UpdatePolicy::everyRay);
+    this->applyRandomScans(20);
+    std::size_t blocks = 0, cells = 0;
+    this->map.forEachBlock([&](const BlockView<Dim>& all) {
+        ++blocks;
+        EXPECT_TRUE(this->map.visitBlock(all.key, [&](const BlockView<Dim>& one) {
+            EXPECT_EQ(one.key, all.key);
+            EXPECT_EQ(one.known, all.known);
+            for (int i = 0; i < kBlockCells<Dim>; ++i) {
+                if (!one.known.test(i)) continue;
+                ++cells;
+                EXPECT_EQ(one.values[i], all.values[i]);
+            }
+        }));
+    });
+    EXPECT_GT(blocks, 20u);
+    EXPECT_EQ(cells, this->oracle.size());
+    for (const auto& absent : {this->cell(-900, 3), this->cell(kCellLimit, 0)})
+        EXPECT_FALSE(this->map.visitBlock(absent, [](const auto&) { FAIL(); }));
+}
+
 TYPED_TEST(OccupancyMapContract, UniformBlockSplitsAndMergesAgain) {
     constexpr int Dim = TypeParam::Dim;
     UpdateBatch<Dim> misses, hits;

@@ -100,6 +100,22 @@ struct BlockGrid<Dim>::Impl {
         return layers[p.layers[index >> 6]].values[index & 63];
     }
 
+    /// \param values scratch memory
+    void visit(const BlockKey<Dim>& key, const Block& block,
+               std::array<float, kBlockCells<Dim>>& values,
+               const typename OccupancyMap<Dim>::BlockVisitor& visitor) const {
+        if (block.payload == kUniform) {
+            values.fill(block.uniform);
+            visitor({key, values.data(), fullMask<Dim>()});
+            return;
+        }
+        const Payload<Dim>& p = payloads[block.payload];
+        for (int z = 0; z < Payload<Dim>::kLayers; ++z)
+            if (p.layers[z] != kNoLayer)
+                std::copy_n(layers[p.layers[z]].values.data(), 64, values.data() + 64 * z);
+        visitor({key, values.data(), p.known});
+    }
+
     bool isUniform(const Payload<Dim>& p) const {
         if (!p.known.all()) return false;
         // Values have no NaN and no -0, so equal values have equal bits.
@@ -243,19 +259,18 @@ template <int Dim>
 void BlockGrid<Dim>::forEachBlock(const typename OccupancyMap<Dim>::BlockVisitor& visit) const {
     std::array<float, kBlockCells<Dim>> values{};
     impl_->table.forEach([&](const BlockKey<Dim>& key, std::uint32_t slot) {
-        const Block& block = impl_->blocks[slot];
-        if (block.payload == kUniform) {
-            values.fill(block.uniform);
-            visit({key, values.data(), fullMask<Dim>()});
-            return;
-        }
-        const Payload<Dim>& p = impl_->payloads[block.payload];
-        for (int z = 0; z < Payload<Dim>::kLayers; ++z)
-            if (p.layers[z] != kNoLayer)
-                std::copy_n(impl_->layers[p.layers[z]].values.data(), 64,
-                            values.data() + 64 * z);
-        visit({key, values.data(), p.known});
+        impl_->visit(key, impl_->blocks[slot], values, visit);
     });
+}
+
+template <int Dim>
+bool BlockGrid<Dim>::visitBlock(const BlockKey<Dim>& key,
+                                const typename OccupancyMap<Dim>::BlockVisitor& visit) const {
+    const Block* block = impl_->find(key);
+    if (!block) return false;
+    std::array<float, kBlockCells<Dim>> values{};
+    impl_->visit(key, *block, values, visit);
+    return true;
 }
 
 template <int Dim>

@@ -111,6 +111,9 @@ void Octree::setBlock(const BlockView<3>& block) {
 void Octree::forEachBlock(const BlockVisitor& visit) const {
     impl_->forEachBlock(visit);
 }
+bool Octree::visitBlock(const BlockKey<3>& key, const BlockVisitor& visit) const {
+    return impl_->visitBlock(key, visit);
+}
 
 void Octree::clear() {
     impl_->nodes.clear();

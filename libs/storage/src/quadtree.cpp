@@ -131,6 +131,9 @@ void Quadtree::setBlock(const BlockView<2>& block) {
 void Quadtree::forEachBlock(const BlockVisitor& visit) const {
     impl_->forEachBlock(visit);
 }
+bool Quadtree::visitBlock(const BlockKey<2>& key, const BlockVisitor& visit) const {
+    return impl_->visitBlock(key, visit);
+}
 void Quadtree::clear() {
     impl_ = std::make_unique<Impl>();
 }

@@ -86,6 +86,22 @@ class TreeStorage {
         if (const Node root = nodes.root(); root != Nodes::kNull) visitNode(root, 0, 0, visit);
     }
 
+    bool visitBlock(const BlockKey<Dim>& key,
+                    const typename OccupancyMap<Dim>::BlockVisitor& visit) const {
+        if (!isAddressable(key, kBlockLimit)) return false;
+        const std::uint64_t morton = mortonOf<Dim>(key);
+        Node node = nodes.root();
+        for (int depth = 0;
+             node != Nodes::kNull && nodes.hasChildren(node) && depth < kBlockDepth; ++depth)
+            node = nodes.child(node, childTowards<Dim>(morton, depth));
+        if (node == Nodes::kNull) return false;
+        Values values;
+        BlockMask<Dim> known;
+        readNode<kBlockBits>(node, 0, values, known);
+        visit({key, values.data(), known});
+        return true;
+    }
+
     const BlockMask<Dim>* saturatedFree(const BlockKey<Dim>& key, float lowerClamp) {
         useClamp(lowerClamp);
         return saturated.find(key);

@@ -23,6 +23,8 @@ class BlockGrid final : public OccupancyMap<Dim> {
     void setLogOdds(const Cell<Dim>& cell, float value) override;
     void setBlock(const BlockView<Dim>& block) override;
     void forEachBlock(const typename OccupancyMap<Dim>::BlockVisitor& visit) const override;
+    bool visitBlock(const BlockKey<Dim>& key,
+                    const typename OccupancyMap<Dim>::BlockVisitor& visit) const override;
     void clear() override;
     bool empty() const override;
     std::size_t memoryBytes() const override;

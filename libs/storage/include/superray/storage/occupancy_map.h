@@ -71,6 +71,8 @@ class OccupancyMap : public SaturationSource<Dim> {
     /// Visits every block with a known cell, in unspecified order. Uniform
     /// regions of trees are visited block by block, at full resolution.
     virtual void forEachBlock(const BlockVisitor& visit) const = 0;
+    /// Visits one block, as forEachBlock() does. \return whether it has a known cell
+    virtual bool visitBlock(const BlockKey<Dim>& key, const BlockVisitor& visit) const = 0;
 
     virtual void clear() = 0;
     virtual bool empty() const = 0;

@@ -30,6 +30,7 @@ class Octree final : public OccupancyMap<3> {
     void setLogOdds(const Cell<3>& cell, float value) override;
     void setBlock(const BlockView<3>& block) override;
     void forEachBlock(const BlockVisitor& visit) const override;
+    bool visitBlock(const BlockKey<3>& key, const BlockVisitor& visit) const override;
     void clear() override;
     bool empty() const override;
     std::size_t memoryBytes() const override;

@@ -21,6 +21,7 @@ class Quadtree final : public OccupancyMap<2> {
     void setLogOdds(const Cell<2>& cell, float value) override;
     void setBlock(const BlockView<2>& block) override;
     void forEachBlock(const BlockVisitor& visit) const override;
+    bool visitBlock(const BlockKey<2>& key, const BlockVisitor& visit) const override;
     void clear() override;
     bool empty() const override;
     std::size_t memoryBytes() const override;
