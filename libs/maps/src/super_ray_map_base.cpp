@@ -13,17 +13,20 @@
 #include "map_export.h"
 #include "map_matching.h"
 #include "stopwatch.h"
+#include "voxel_view.h"
 
 namespace superray {
 
 template <int Dim>
 CSuperRayMapBase<Dim>::CSuperRayMapBase(StorageType type, double resolution)
-    : type_(type), storage_(makeEmptyStorage(resolution)) {}
+    : type_(type),
+      storage_(makeEmptyStorage(resolution)),
+      view_(std::make_unique<VoxelView<Dim>>()) {}
 
 template <int Dim>
 CSuperRayMapBase<Dim>::~CSuperRayMapBase() = default;
 
-// The integrator is not copied: it only holds buffers.
+// The integrator and the view are not copied: they only hold what can be made again.
 template <int Dim>
 CSuperRayMapBase<Dim>::CSuperRayMapBase(const CSuperRayMapBase& other)
     : mrpt::maps::CMetricMap(other),
@@ -34,7 +37,8 @@ CSuperRayMapBase<Dim>::CSuperRayMapBase(const CSuperRayMapBase& other)
       type_(other.type_),
       storage_(other.storage_->clone()),
       last_(other.last_),
-      totals_(other.totals_) {}
+      totals_(other.totals_),
+      view_(std::make_unique<VoxelView<Dim>>()) {}
 
 template <int Dim>
 CSuperRayMapBase<Dim>& CSuperRayMapBase<Dim>::operator=(const CSuperRayMapBase& other) {
@@ -132,6 +136,11 @@ void CSuperRayMapBase<Dim>::replaceAll(Storage storage, const TMapOptions& o) {
 // --- contents ---------------------------------------------------------------
 
 template <int Dim>
+void CSuperRayMapBase<Dim>::contentsChanged() {
+    view_->forget();
+}
+
+template <int Dim>
 void CSuperRayMapBase<Dim>::internal_clear() {
     storage_->clear();
     last_ = totals_ = {};
@@ -202,17 +211,18 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
     report.rays = rays.size();
     if (!rays.empty()) {
         report.scans = 1;
-        contentsChanged();
         Stopwatch watch;
         if (ScanIntegrator<Dim>::needsExactCounts(integration, model)) {
             const auto counts = countCells(rays);
             report.integrateSeconds = watch.lap();
             report.work.rays = rays.size();
+            view_->applied(counts);
             storage_->apply(counts, model, integration.policy);
         } else {
             const auto& batch = integrator_.integrate(rays, model, integration, storage_.get());
             report.integrateSeconds = watch.lap();
             report.work = integrator_.statistics();
+            view_->applied(batch);
             storage_->apply(batch, model, integration.policy);
         }
         report.applySeconds = watch.lap();
@@ -273,15 +283,7 @@ void CSuperRayMapBase<Dim>::determineMatching2D(
 
 template <int Dim>
 std::shared_ptr<mrpt::opengl::COctoMapVoxels> CSuperRayMapBase<Dim>::visualization() const {
-    const TMapOptions current = options();
-    const std::string key = current.toText();
-    if (!visualization_ || visualizationOptions_ != key) {
-        visualization_ = makeVoxels(*storage_, sensorModel(), renderingOptions);
-        visualizationOptions_ = key;
-    }
-    // A copy: callers may move or recolour what they get.
-    return std::dynamic_pointer_cast<mrpt::opengl::COctoMapVoxels>(
-        visualization_->duplicateGetSmartPtr());
+    return view_->draw(*storage_, sensorModel(), renderingOptions);
 }
 
 template <int Dim>

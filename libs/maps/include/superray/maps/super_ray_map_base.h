@@ -17,6 +17,9 @@
 
 namespace superray {
 
+template <int Dim>
+class VoxelView;
+
 /// An occupancy map in MRPT, updated by super rays and culling regions.
 ///
 /// The public options may be changed at any time: they are validated and take
@@ -112,7 +115,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     /// Takes over what was read; does not throw half-way.
     void replaceAll(Storage storage, const TMapOptions& options);
     void assignOptions(const TMapOptions& options);
-    void contentsChanged() { visualization_.reset(); }
+    void contentsChanged();
     void integrate(const RayBundle<Dim>& rays, TInsertionReport report);
     std::shared_ptr<mrpt::opengl::COctoMapVoxels> visualization() const;
 
@@ -121,9 +124,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     ScanIntegrator<Dim> integrator_;
     TInsertionReport last_, totals_;
 
-    /// Built on demand, kept while contents and options stay the same.
-    mutable std::shared_ptr<const mrpt::opengl::COctoMapVoxels> visualization_;
-    mutable std::string visualizationOptions_;
+    std::unique_ptr<VoxelView<Dim>> view_;
 };
 
 extern template class CSuperRayMapBase<2>;
