@@ -1,5 +1,5 @@
 foreach(name options range_image_returns velodyne_returns other_returns insertion
-        serialization registration views voxel_view likelihood)
+        serialization registration views voxel_view likelihood distance_field localization)
   superray_add_test(maps_${name}_test SOURCES maps/${name}_test.cpp LIBS superray::maps)
 endforeach()
 target_link_libraries(maps_views_test PRIVATE octomap)
@@ -7,3 +7,5 @@ target_include_directories(maps_voxel_view_test PRIVATE ${PROJECT_SOURCE_DIR}/li
 target_compile_definitions(
   maps_registration_test
   PRIVATE SUPERRAY_CONFIG_FILES_DIR="${PROJECT_SOURCE_DIR}/share/config_files")
+# The field is no part of the interface.
+target_include_directories(maps_distance_field_test PRIVATE ${PROJECT_SOURCE_DIR}/libs/maps/src)

@@ -144,6 +144,7 @@ inline TMapOptions unusualOptions() {
     o.likelihood.decimation = 4;
     o.likelihood.sigma = 0.07;
     o.likelihood.maxDistance = 0.21;
+    o.likelihood.uniformWeight = 0.15;
     o.likelihood.unknownLikelihood = 0.3;
     o.rendering.generateGridLines = true;
     o.rendering.generateOccupiedVoxels = false;

@@ -41,27 +41,6 @@ Point<Dim> asPoint(const mrpt::math::TPoint3D& p) {
 }  // namespace
 
 template <int Dim>
-double endPointLogLikelihood(const RayBundle<Dim>& rays, const OccupancyMap<Dim>& map,
-                             const SensorModel& model, const TLikelihoodOptions& options) {
-    const NearestOccupied<Dim> nearest(map, model.occupied(), options.maxDistance);
-    const double perSquaredMetre = -0.5 / (options.sigma * options.sigma);
-    const double farthest = perSquaredMetre * options.maxDistance * options.maxDistance;
-    const double unknown = std::log(options.unknownLikelihood);
-    double sum = 0;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (rays.kind(i) != RayEnd::hit) continue;
-        const Point<Dim>& end = rays.end(i);
-        if (const auto found = nearest(end)) {
-            sum += perSquaredMetre * found->distance * found->distance;
-        } else {
-            sum += map.logOdds(map.geometry().cellOf(end)) ? farthest : unknown;
-        }
-    }
-    // Otherwise a pose that throws points out of the map would win.
-    return sum + farthest * static_cast<double>(rays.skipped().outOfRange);
-}
-
-template <int Dim>
 float matchingRatio(const OccupancyMap<Dim>& map, const SensorModel& model,
                     const mrpt::maps::CMetricMap* other, const mrpt::poses::CPose3D& otherPose,
                     const mrpt::maps::TMatchingRatioParams& params) {
@@ -138,8 +117,6 @@ void matchPoints(const OccupancyMap<Dim>& map, const SensorModel& model,
 }
 
 #define SUPERRAY_INSTANTIATE(Dim)                                                            \
-    template double endPointLogLikelihood(const RayBundle<Dim>&, const OccupancyMap<Dim>&,   \
-                                          const SensorModel&, const TLikelihoodOptions&);    \
     template float matchingRatio(const OccupancyMap<Dim>&, const SensorModel&,               \
                                  const mrpt::maps::CMetricMap*, const mrpt::poses::CPose3D&, \
                                  const mrpt::maps::TMatchingRatioParams&);                   \

@@ -10,12 +10,6 @@
 
 namespace superray {
 
-/// Log-likelihood of the hits; see TLikelihoodOptions. Points that cannot be
-/// addressed score as if they were far from anything.
-template <int Dim>
-double endPointLogLikelihood(const RayBundle<Dim>& rays, const OccupancyMap<Dim>& map,
-                             const SensorModel& model, const TLikelihoodOptions& options);
-
 /// See CSuperRayMapBase::compute3DMatchingRatio().
 template <int Dim>
 float matchingRatio(const OccupancyMap<Dim>& map, const SensorModel& model,

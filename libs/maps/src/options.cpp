@@ -47,6 +47,7 @@ void visitLikelihood(O& o, Visit visit) {
     visit("decimation", o.decimation, "use one of so many measurements");
     visit("sigma", o.sigma, "[m] of the distance to an occupied cell");
     visit("maxDistance", o.maxDistance, "[m] farther is as bad as this");
+    visit("uniformWeight", o.uniformWeight, "in [0, 1), share of returns anywhere");
     visit("unknownLikelihood", o.unknownLikelihood, "in (0, 1], a hit has 1");
 }
 
@@ -200,6 +201,8 @@ void TLikelihoodOptions::validate() const {
     require(std::isfinite(sigma) && sigma > 0, "sigma", sigma, "sigma > 0");
     require(std::isfinite(maxDistance) && maxDistance > 0, "maxDistance", maxDistance,
             "maxDistance > 0");
+    require(uniformWeight >= 0 && uniformWeight < 1, "uniformWeight", uniformWeight,
+            "0 <= uniformWeight < 1");
     require(unknownLikelihood > 0 && unknownLikelihood <= 1, "unknownLikelihood",
             unknownLikelihood, "0 < unknownLikelihood <= 1");
 }

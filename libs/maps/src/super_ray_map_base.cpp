@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "likelihood.h"
 #include "map_export.h"
 #include "map_matching.h"
 #include "stopwatch.h"
@@ -21,12 +22,14 @@ template <int Dim>
 CSuperRayMapBase<Dim>::CSuperRayMapBase(StorageType type, double resolution)
     : type_(type),
       storage_(makeEmptyStorage(resolution)),
+      distances_(std::make_unique<DistanceField<Dim>>()),
       view_(std::make_unique<VoxelView<Dim>>()) {}
 
 template <int Dim>
 CSuperRayMapBase<Dim>::~CSuperRayMapBase() = default;
 
-// The integrator and the view are not copied: they only hold what can be made again.
+// The integrator, the view and the distances are not copied: they only hold what
+// can be made again. Nor is the change log: its stamps are this map's own.
 template <int Dim>
 CSuperRayMapBase<Dim>::CSuperRayMapBase(const CSuperRayMapBase& other)
     : mrpt::maps::CMetricMap(other),
@@ -38,6 +41,7 @@ CSuperRayMapBase<Dim>::CSuperRayMapBase(const CSuperRayMapBase& other)
       storage_(other.storage_->clone()),
       last_(other.last_),
       totals_(other.totals_),
+      distances_(std::make_unique<DistanceField<Dim>>()),
       view_(std::make_unique<VoxelView<Dim>>()) {}
 
 template <int Dim>
@@ -133,12 +137,29 @@ void CSuperRayMapBase<Dim>::replaceAll(Storage storage, const TMapOptions& o) {
     contentsChanged();
 }
 
-// --- contents ---------------------------------------------------------------
+// --- changes ------------------------------------------------------------------
 
 template <int Dim>
 void CSuperRayMapBase<Dim>::contentsChanged() {
+    changes_.everything();
     view_->forget();
 }
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>& batch) {
+    changes_.begin();
+    if (!changes_.recording()) return;
+    for (std::size_t b = 0; b < batch.blockCount(); ++b) changes_.add(batch.key(b));
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>& counts) {
+    changes_.begin();
+    if (!changes_.recording()) return;
+    for (const auto& entry : counts) changes_.add(blockOf<Dim>(entry.first));
+}
+
+// --- contents ---------------------------------------------------------------
 
 template <int Dim>
 void CSuperRayMapBase<Dim>::internal_clear() {
@@ -216,12 +237,14 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
             const auto counts = countCells(rays);
             report.integrateSeconds = watch.lap();
             report.work.rays = rays.size();
+            recordChange(counts);
             view_->applied(counts);
             storage_->apply(counts, model, integration.policy);
         } else {
             const auto& batch = integrator_.integrate(rays, model, integration, storage_.get());
             report.integrateSeconds = watch.lap();
             report.work = integrator_.statistics();
+            recordChange(batch);
             view_->applied(batch);
             storage_->apply(batch, model, integration.policy);
         }
@@ -251,7 +274,8 @@ double CSuperRayMapBase<Dim>::internal_computeObservationLikelihood(
     TInsertionReport report;
     const auto rays =
         toRays(*returns, robotPose, storage_->geometry(), insertionOptions, report);
-    return endPointLogLikelihood(rays, *storage_, sensorModel(), likelihoodOptions);
+    return endPointLogLikelihood<Dim>(
+        rays, *distances_, {*storage_, changes_, sensorModel().occupied()}, likelihoodOptions);
 }
 
 template <int Dim>

@@ -73,12 +73,17 @@ struct TInsertionOptions : public mrpt::config::CLoadableOptions {
 };
 
 /// Section `<map>_likelihoodOpts`: end-point model. A return scores
-/// -d^2 / (2 sigma^2), with d the distance from its end point to the nearest
-/// occupied cell, cut at maxDistance; the log-likelihood is the sum.
+/// log((1 - w) exp(-d^2 / (2 sigma^2)) + w), with d the distance from its end
+/// point to the nearest occupied cell, cut at maxDistance, and w = uniformWeight;
+/// the log-likelihood is the sum.
 struct TLikelihoodOptions : public mrpt::config::CLoadableOptions {
     std::uint32_t decimation = 1;  ///< >= 1; use one of so many measurements
     double sigma = 0.1;            ///< [m], > 0
-    double maxDistance = 0.3;      ///< [m], > 0; farther is as bad as this
+    /// [m], > 0; farther is as bad as this. At most 31 cells are looked at.
+    double maxDistance = 0.3;
+    /// In [0, 1): share of returns that may be anywhere (people, glass); the
+    /// larger, the less a single one can spoil a pose. 0: none.
+    double uniformWeight = 0;
     /// In (0, 1]: factor for a return that ends in unknown space with nothing
     /// occupied near it, where a hit has 1.
     double unknownLikelihood = 0.1;

@@ -6,6 +6,7 @@
 #include <mrpt/math/TBoundingBox.h>
 #include <mrpt/opengl/opengl_frwds.h>
 #include <superray/core/scan_integrator.h>
+#include <superray/maps/change_log.h>
 #include <superray/maps/mrpt_compat.h>
 #include <superray/maps/options.h>
 #include <superray/maps/super_ray_map_interface.h>
@@ -19,6 +20,8 @@ namespace superray {
 
 template <int Dim>
 class VoxelView;
+template <int Dim>
+class DistanceField;
 
 /// An occupancy map in MRPT, updated by super rays and culling regions.
 ///
@@ -37,6 +40,14 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     /// Inserts rays that the caller made. \throws std::invalid_argument if their
     /// geometry has another resolution
     void insertRays(const RayBundle<Dim>& rays);
+    /// Calls visit(key) once for each block in which a cell may have become
+    /// known or changed its value since changeStamp() was `since`.
+    /// \return false, with nothing visited, if the whole map may have changed
+    ///         (cleared, loaded, assigned, or changed before the first changeStamp())
+    template <class Visit>
+    bool forEachChangedBlock(std::uint64_t since, Visit&& visit) const {
+        return changes_.forEachSince(since, visit);
+    }
 
     // SuperRayMapInterface
     int dimension() const override { return Dim; }
@@ -47,6 +58,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     std::optional<MetricBounds> metricBounds() const override;
     std::size_t memoryBytes() const override { return storage_->memoryBytes(); }
     std::string digest() const override { return contentDigest(*storage_); }
+    std::uint64_t changeStamp() const override { return changes_.stamp(); }
     SensorModel sensorModel() const override { return insertionOptions.sensorModel(); }
     const TInsertionReport& lastInsertion() const override { return last_; }
     const TInsertionReport& totals() const override { return totals_; }
@@ -115,7 +127,10 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     /// Takes over what was read; does not throw half-way.
     void replaceAll(Storage storage, const TMapOptions& options);
     void assignOptions(const TMapOptions& options);
+    /// All of the contents may be different.
     void contentsChanged();
+    void recordChange(const UpdateBatch<Dim>& batch);
+    void recordChange(const CellCountMap<Dim>& counts);
     void integrate(const RayBundle<Dim>& rays, TInsertionReport report);
     std::shared_ptr<mrpt::opengl::COctoMapVoxels> visualization() const;
 
@@ -123,6 +138,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     Storage storage_;
     ScanIntegrator<Dim> integrator_;
     TInsertionReport last_, totals_;
+    ChangeLog<Dim> changes_;
+    std::unique_ptr<DistanceField<Dim>> distances_;  ///< never null; has its own lock
 
     std::unique_ptr<VoxelView<Dim>> view_;
 };

@@ -43,6 +43,9 @@ class SuperRayMapInterface {
     /// Digest of the contents; see contentDigest().
     virtual std::string digest() const = 0;
     virtual SensorModel sensorModel() const = 0;
+    /// A number that grows with every change of the contents; see
+    /// CSuperRayMapBase::forEachChangedBlock().
+    virtual std::uint64_t changeStamp() const = 0;
 
     /// What the last insertion did, and the sum of all since construction,
     /// clear() or loading.
