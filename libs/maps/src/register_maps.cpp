@@ -6,6 +6,7 @@
 #include <superray/maps/CSuperRayGridMap2D.h>
 #include <superray/maps/CSuperRayGridMap3D.h>
 #include <superray/maps/CSuperRayOctoMap.h>
+#include <superray/maps/CSuperRayPointsMap.h>
 #include <superray/maps/CSuperRayQuadMap.h>
 #include <superray/storage/octree.h>
 
@@ -47,8 +48,8 @@ const octomap::OcTree& CSuperRayOctoMap::octree() const {
 extern "C" __attribute__((weak)) const bool superray_linked_knowingly;
 
 // MRPT wants each of these per class; a template cannot define them.
-#define SUPERRAY_REGISTER_MAP(Class, alias)                                                   \
-    IMPLEMENTS_SERIALIZABLE(Class, mrpt::maps::CMetricMap, superray)                          \
+#define SUPERRAY_REGISTER_MAP(Class, Base, alias)                                             \
+    IMPLEMENTS_SERIALIZABLE(Class, Base, superray)                                            \
     MAP_DEFINITION_REGISTER("superray::" #Class "," alias, superray::Class)                   \
     superray::Class::TMapDefinition::TMapDefinition() = default;                              \
     void superray::Class::TMapDefinition::loadFromConfigFile_map_specific(                    \
@@ -75,10 +76,12 @@ extern "C" __attribute__((weak)) const bool superray_linked_knowingly;
         readFrom(in, version);                                                                \
     }
 
-SUPERRAY_REGISTER_MAP(CSuperRayGridMap3D, "superRayGridMap3D")
-SUPERRAY_REGISTER_MAP(CSuperRayOctoMap, "superRayOctoMap")
-SUPERRAY_REGISTER_MAP(CSuperRayGridMap2D, "superRayGridMap2D")
-SUPERRAY_REGISTER_MAP(CSuperRayQuadMap, "superRayQuadMap")
+SUPERRAY_REGISTER_MAP(CSuperRayGridMap3D, mrpt::maps::CMetricMap, "superRayGridMap3D")
+SUPERRAY_REGISTER_MAP(CSuperRayOctoMap, mrpt::maps::CMetricMap, "superRayOctoMap")
+SUPERRAY_REGISTER_MAP(CSuperRayGridMap2D, mrpt::maps::CMetricMap, "superRayGridMap2D")
+SUPERRAY_REGISTER_MAP(CSuperRayQuadMap, mrpt::maps::CMetricMap, "superRayQuadMap")
+SUPERRAY_REGISTER_MAP(CSuperRayPointsMap2D, mrpt::maps::CSimplePointsMap, "superRayPointsMap2D")
+SUPERRAY_REGISTER_MAP(CSuperRayPointsMap3D, mrpt::maps::CSimplePointsMap, "superRayPointsMap3D")
 #undef SUPERRAY_REGISTER_MAP
 
 namespace {
@@ -91,13 +94,15 @@ const bool registered = [] {
     mrpt::rtti::registerClass(CLASS_ID(CSuperRayOctoMap));
     mrpt::rtti::registerClass(CLASS_ID(CSuperRayGridMap2D));
     mrpt::rtti::registerClass(CLASS_ID(CSuperRayQuadMap));
+    mrpt::rtti::registerClass(CLASS_ID(CSuperRayPointsMap2D));
+    mrpt::rtti::registerClass(CLASS_ID(CSuperRayPointsMap3D));
     // A user whose plugin did not load sees nothing, so say that it did. On
     // stderr: programs that link the library may print data on stdout.
     if (&superray_linked_knowingly == nullptr && !std::getenv("SUPERRAY_QUIET"))
         std::cerr << "[superray] INFO: superray " SUPERRAY_VERSION " (" << MRPT_version_str
                   << "): map classes registered: "
                      "superRayGridMap3D, superRayOctoMap, superRayGridMap2D, "
-                     "superRayQuadMap\n";
+                     "superRayQuadMap, superRayPointsMap2D, superRayPointsMap3D\n";
     return true;
 }();
 

@@ -233,6 +233,7 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
     if (!rays.empty()) {
         report.scans = 1;
         Stopwatch watch;
+        const UpdateBatch<Dim>* applied = nullptr;
         if (ScanIntegrator<Dim>::needsExactCounts(integration, model)) {
             const auto counts = countCells(rays);
             report.integrateSeconds = watch.lap();
@@ -247,8 +248,10 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
             recordChange(batch);
             view_->applied(batch);
             storage_->apply(batch, model, integration.policy);
+            applied = &batch;
         }
         report.applySeconds = watch.lap();
+        scanApplied(rays, applied);
     }
     last_ = report;
     totals_ += report;

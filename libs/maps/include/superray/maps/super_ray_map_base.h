@@ -110,6 +110,11 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     /// On any error throws and leaves the map untouched.
     void readFrom(mrpt::serialization::CArchive& in, std::uint8_t version);
 
+    /// Called after each scan that was applied to the cells.
+    /// \param batch what was applied; null if it was counted exactly
+    virtual void scanApplied(const RayBundle<Dim>& /*rays*/,
+                             const UpdateBatch<Dim>* /*batch*/) {}
+
  private:
     using Storage = std::unique_ptr<OccupancyMap<Dim>>;
 

@@ -1,0 +1,125 @@
+#pragma once
+/// \file CSuperRayPointsMap.h
+/// Occupancy maps that are points maps: the occupied cells, for programs that
+/// register scans against nothing else (stock icp-slam).
+
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <superray/maps/CSuperRayGridMap2D.h>
+#include <superray/maps/CSuperRayGridMap3D.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <unordered_map>
+#include <vector>
+
+namespace superray {
+
+/// A CSuperRayGridMap whose occupied cells are the points of an MRPT points map.
+///
+/// Every insertion updates the grid map exactly as it would be updated alone; then
+/// there is one point per occupied cell: the mean of the end points that fell in it
+/// since it has been occupied [m, map frame], or its centre if there are none (a
+/// loaded map). In 2D points have z = 0. Likelihood, 3D view, options and files are
+/// those of the grid map; matching is that of the points.
+///
+/// The points follow the cells. Functions of CPointsMap that change points may be
+/// called, but the cells do not follow.
+template <int Dim>
+class CSuperRayPointsMap : public mrpt::maps::CSimplePointsMap {
+ public:
+    using GridMap = std::conditional_t<Dim == 2, CSuperRayGridMap2D, CSuperRayGridMap3D>;
+
+    const GridMap& occupancy() const;
+    /// As SuperRayMapInterface::setOptions().
+    void setOptions(const TMapOptions& options);
+    /// As SuperRayMapInterface::loadFromFile(): any .srmap of this dimension.
+    void loadFromFile(const std::string& path);
+
+    /// True if no cell is known.
+    bool isEmpty() const override;
+    std::string asString() const override;
+    void getVisualizationInto(mrpt::opengl::CSetOfObjects& objects) const override;
+    void saveMetricMapRepresentationToFile(const std::string& prefix) const override;
+    double internal_computeObservationLikelihood(
+        const mrpt::obs::CObservation& observation,
+        const mrpt::poses::CPose3D& robotPose) const override;
+
+ protected:
+    explicit CSuperRayPointsMap(double resolution);
+    ~CSuperRayPointsMap() override;
+    CSuperRayPointsMap(const CSuperRayPointsMap& other);
+    CSuperRayPointsMap& operator=(const CSuperRayPointsMap& other);
+
+    // For the subclasses' serializeTo / serializeFrom.
+    static constexpr std::uint8_t kSerialVersion = 0;
+    void writeTo(mrpt::serialization::CArchive& out) const;
+    /// On any error throws and leaves the map untouched.
+    void readFrom(mrpt::serialization::CArchive& in, std::uint8_t version);
+
+ private:
+    class Occupancy;
+    /// Of each point: its cell, and how many end points it is the mean of.
+    struct Source {
+        Cell<Dim> cell;
+        std::uint32_t ends;
+    };
+    static constexpr std::uint32_t kNoPoint = ~std::uint32_t{0};
+    using BlockPoints = std::array<std::uint32_t, kBlockCells<Dim>>;
+
+    void internal_clear() override;
+    bool internal_insertObservation(
+        const mrpt::obs::CObservation& observation,
+        const std::optional<const mrpt::poses::CPose3D>& robotPose) override;
+    bool internal_canComputeObservationLikelihood(
+        const mrpt::obs::CObservation& observation) const override;
+    /// \throws std::invalid_argument if `other` is not of this class
+    void impl_copyFrom(const mrpt::maps::CPointsMap& other) override;
+
+    void copyAll(const CSuperRayPointsMap& other);
+    void follow(const RayBundle<Dim>& rays, const UpdateBatch<Dim>* batch);
+    void followBlock(const BlockView<Dim>& block);
+    void followAllBlocks();
+    void averageEnds(const RayBundle<Dim>& rays);
+    void addPoint(const Source& source, const std::array<float, 3>& position);
+    void removePoint(std::uint32_t index);
+    void forgetPoints();
+    std::uint32_t& pointAt(const Cell<Dim>& cell);
+
+    std::unique_ptr<Occupancy> occupancy_;
+    std::vector<Source> sources_;  // parallel to the points
+    std::unordered_map<BlockKey<Dim>, std::unique_ptr<BlockPoints>, IndexHash> blocks_;
+};
+
+extern template class CSuperRayPointsMap<2>;
+extern template class CSuperRayPointsMap<3>;
+
+/// In .ini files: superRayPointsMap2D_count.
+class CSuperRayPointsMap2D : public CSuperRayPointsMap<2> {
+    DEFINE_SERIALIZABLE(CSuperRayPointsMap2D, superray)
+
+ public:
+    /// \param resolution cell edge [m]
+    explicit CSuperRayPointsMap2D(double resolution = 0.10) : CSuperRayPointsMap(resolution) {}
+
+    MAP_DEFINITION_START(CSuperRayPointsMap2D)
+    TMapOptions options;
+    MAP_DEFINITION_END(CSuperRayPointsMap2D)
+};
+
+/// In .ini files: superRayPointsMap3D_count.
+class CSuperRayPointsMap3D : public CSuperRayPointsMap<3> {
+    DEFINE_SERIALIZABLE(CSuperRayPointsMap3D, superray)
+
+ public:
+    /// \param resolution cell edge [m]
+    explicit CSuperRayPointsMap3D(double resolution = 0.10) : CSuperRayPointsMap(resolution) {}
+
+    MAP_DEFINITION_START(CSuperRayPointsMap3D)
+    TMapOptions options;
+    MAP_DEFINITION_END(CSuperRayPointsMap3D)
+};
+
+}  // namespace superray

@@ -1,0 +1,308 @@
+#include <mrpt/serialization/CArchive.h>
+#include <superray/maps/CSuperRayPointsMap.h>
+
+#include <limits>
+#include <stdexcept>
+
+namespace superray {
+
+/// The grid map, which reports each scan to the points.
+template <int Dim>
+class CSuperRayPointsMap<Dim>::Occupancy final : public GridMap {
+ public:
+    Occupancy(CSuperRayPointsMap& points, double resolution)
+        : GridMap(resolution), points_(points) {}
+    void takeFrom(const GridMap& other) { GridMap::operator=(other); }
+
+ private:
+    void scanApplied(const RayBundle<Dim>& rays, const UpdateBatch<Dim>* batch) override {
+        points_.follow(rays, batch);
+    }
+    CSuperRayPointsMap& points_;
+};
+
+template <int Dim>
+CSuperRayPointsMap<Dim>::CSuperRayPointsMap(double resolution)
+    : occupancy_(std::make_unique<Occupancy>(*this, resolution)) {}
+
+template <int Dim>
+CSuperRayPointsMap<Dim>::~CSuperRayPointsMap() = default;
+
+template <int Dim>
+CSuperRayPointsMap<Dim>::CSuperRayPointsMap(const CSuperRayPointsMap& other)
+    : mrpt::maps::CSimplePointsMap(),
+      occupancy_(std::make_unique<Occupancy>(*this, other.occupancy_->resolution())) {
+    copyAll(other);
+}
+
+template <int Dim>
+CSuperRayPointsMap<Dim>& CSuperRayPointsMap<Dim>::operator=(const CSuperRayPointsMap& other) {
+    if (this != &other) copyAll(other);
+    return *this;
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::impl_copyFrom(const mrpt::maps::CPointsMap& other) {
+    const auto* same = dynamic_cast<const CSuperRayPointsMap*>(&other);
+    if (!same)
+        throw std::invalid_argument("CSuperRayPointsMap" + std::to_string(Dim) +
+                                    "D: cannot be copied from another class of points map, "
+                                    "which has no occupancy");
+    operator=(*same);
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::copyAll(const CSuperRayPointsMap& other) {
+    decltype(blocks_) blocks;
+    for (const auto& [key, points] : other.blocks_)
+        blocks.emplace(key, std::make_unique<BlockPoints>(*points));
+    auto sources = other.sources_;
+    occupancy_->takeFrom(*other.occupancy_);
+    CSimplePointsMap::impl_copyFrom(other);
+    genericMapParams = other.genericMapParams;
+    sources_ = std::move(sources);
+    blocks_ = std::move(blocks);
+}
+
+// --- the map ------------------------------------------------------------------
+
+template <int Dim>
+const typename CSuperRayPointsMap<Dim>::GridMap& CSuperRayPointsMap<Dim>::occupancy() const {
+    return *occupancy_;
+}
+
+template <int Dim>
+bool CSuperRayPointsMap<Dim>::isEmpty() const {
+    return occupancy_->isEmpty();
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::setOptions(const TMapOptions& options) {
+    occupancy_->setOptions(options);
+    genericMapParams = occupancy_->genericMapParams;
+    if (!options.creation.load_from.empty()) forgetPoints();
+    followAllBlocks();  // another threshold, another set of occupied cells
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::loadFromFile(const std::string& path) {
+    occupancy_->loadFromFile(path);
+    genericMapParams = occupancy_->genericMapParams;
+    forgetPoints();
+    followAllBlocks();
+}
+
+template <int Dim>
+std::string CSuperRayPointsMap<Dim>::asString() const {
+    return std::to_string(size()) + " occupied cells as points, of " + occupancy_->asString();
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::getVisualizationInto(mrpt::opengl::CSetOfObjects& objects) const {
+    if (genericMapParams.enableSaveAs3DObject) occupancy_->getVisualizationInto(objects);
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::saveMetricMapRepresentationToFile(
+    const std::string& prefix) const {
+    occupancy_->saveMetricMapRepresentationToFile(prefix);
+}
+
+template <int Dim>
+double CSuperRayPointsMap<Dim>::internal_computeObservationLikelihood(
+    const mrpt::obs::CObservation& observation, const mrpt::poses::CPose3D& robotPose) const {
+    return occupancy_->computeObservationLikelihood(observation, robotPose);
+}
+
+template <int Dim>
+bool CSuperRayPointsMap<Dim>::internal_canComputeObservationLikelihood(
+    const mrpt::obs::CObservation& observation) const {
+    return occupancy_->canComputeObservationLikelihood(observation);
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::internal_clear() {
+    occupancy_->clear();
+    forgetPoints();
+}
+
+template <int Dim>
+bool CSuperRayPointsMap<Dim>::internal_insertObservation(
+    const mrpt::obs::CObservation& observation,
+    const std::optional<const mrpt::poses::CPose3D>& robotPose) {
+    occupancy_->genericMapParams = genericMapParams;
+    return occupancy_->insertObservation(observation, robotPose);  // calls follow()
+}
+
+// --- the points ---------------------------------------------------------------
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::follow(const RayBundle<Dim>& rays,
+                                     const UpdateBatch<Dim>* batch) {
+    if (size() != sources_.size()) forgetPoints();  // somebody else changed them
+    if (!batch || sources_.empty()) {
+        followAllBlocks();
+    } else {
+        const SensorModel model = occupancy_->sensorModel();
+        const bool missesMayOccupy =
+            model.updated(0, 1, 0, UpdatePolicy::everyRay) >= model.occupied();
+        for (std::size_t b = 0; b < batch->blockCount(); ++b)
+            if (missesMayOccupy || batch->hits(b) || blocks_.count(batch->key(b)) != 0)
+                occupancy_->storage().visitBlock(
+                    batch->key(b), [&](const BlockView<Dim>& block) { followBlock(block); });
+    }
+    averageEnds(rays);
+    mark_as_modified();
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::followAllBlocks() {
+    occupancy_->storage().forEachBlock(
+        [&](const BlockView<Dim>& block) { followBlock(block); });
+    mark_as_modified();
+}
+
+/// Gives every occupied cell of a block its point, and no other cell.
+template <int Dim>
+void CSuperRayPointsMap<Dim>::followBlock(const BlockView<Dim>& block) {
+    const float occupied = occupancy_->sensorModel().occupied();
+    const auto found = blocks_.find(block.key);
+    // Null: no point in this block yet, so no cell looked up twice either.
+    const BlockPoints* points = found == blocks_.end() ? nullptr : found->second.get();
+    for (int i = 0; i < kBlockCells<Dim>; ++i) {
+        const bool wanted = block.known.test(i) && block.values[i] >= occupied;
+        const std::uint32_t point = points ? (*points)[static_cast<std::size_t>(i)] : kNoPoint;
+        if (wanted && point == kNoPoint) {
+            const Cell<Dim> cell = cellInBlock<Dim>(block.key, i);
+            const Point<Dim> center = occupancy_->storage().geometry().center(cell);
+            addPoint({cell, 0}, {static_cast<float>(center[0]), static_cast<float>(center[1]),
+                                 Dim == 3 ? static_cast<float>(center[Dim - 1]) : 0.0f});
+        } else if (!wanted && point != kNoPoint) {
+            removePoint(point);
+        }
+    }
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::averageEnds(const RayBundle<Dim>& rays) {
+    const auto& geometry = rays.geometry();
+    BlockKey<Dim> lastKey{};
+    const BlockPoints* last = nullptr;  // neighbouring rays end in the same block
+    for (std::size_t r = 0; r < rays.size(); ++r) {
+        if (rays.kind(r) != RayEnd::hit) continue;
+        const Point<Dim>& end = rays.end(r);
+        const Cell<Dim> cell = geometry.cellOf(end);
+        const BlockKey<Dim> key = blockOf<Dim>(cell);
+        if (!last || key != lastKey) {
+            const auto found = blocks_.find(key);
+            if (found == blocks_.end()) continue;
+            last = found->second.get();
+            lastKey = key;
+        }
+        const std::uint32_t i = (*last)[static_cast<std::size_t>(indexInBlock<Dim>(cell))];
+        if (i == kNoPoint) continue;
+        std::uint32_t& ends = sources_[i].ends;
+        if (ends < std::numeric_limits<std::uint32_t>::max()) ++ends;
+        const auto approach = [&](float& mean, double value) {
+            mean = static_cast<float>(mean + (value - mean) / ends);
+        };
+        approach(m_x[i], end[0]);
+        approach(m_y[i], end[1]);
+        if constexpr (Dim == 3) approach(m_z[i], end[2]);
+    }
+}
+
+template <int Dim>
+std::uint32_t& CSuperRayPointsMap<Dim>::pointAt(const Cell<Dim>& cell) {
+    auto& block = blocks_[blockOf<Dim>(cell)];
+    if (!block) {
+        block = std::make_unique<BlockPoints>();
+        block->fill(kNoPoint);
+    }
+    return (*block)[static_cast<std::size_t>(indexInBlock<Dim>(cell))];
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::addPoint(const Source& source,
+                                       const std::array<float, 3>& position) {
+    pointAt(source.cell) = static_cast<std::uint32_t>(sources_.size());
+    sources_.push_back(source);
+    insertPointFast(position[0], position[1], position[2]);
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::removePoint(std::uint32_t index) {
+    // The last one takes its place.
+    pointAt(sources_[index].cell) = kNoPoint;
+    if (index + 1 != sources_.size()) {
+        sources_[index] = sources_.back();
+        pointAt(sources_[index].cell) = index;
+        setPointFast(index, m_x.back(), m_y.back(), m_z.back());
+    }
+    sources_.pop_back();
+    resize(sources_.size());
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::forgetPoints() {
+    sources_.clear();
+    blocks_.clear();
+    CSimplePointsMap::internal_clear();
+}
+
+// --- streams --------------------------------------------------------------------
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::writeTo(mrpt::serialization::CArchive& out) const {
+    if (size() != sources_.size())
+        throw std::logic_error("CSuperRayPointsMap: points were added or removed by others");
+    out << static_cast<const GridMap&>(*occupancy_);
+    out << static_cast<std::uint64_t>(sources_.size());
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+        for (const auto c : sources_[i].cell) out << c;
+        out << sources_[i].ends << m_x[i] << m_y[i] << m_z[i];
+    }
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::readFrom(mrpt::serialization::CArchive& in,
+                                       std::uint8_t version) {
+    if (version > kSerialVersion)
+        throw std::runtime_error("CSuperRayPointsMap: version " + std::to_string(version) +
+                                 " in the stream is newer than this library's, " +
+                                 std::to_string(kSerialVersion));
+    CSuperRayPointsMap read(1.0);
+    GridMap grid;
+    in >> grid;
+    read.occupancy_->takeFrom(grid);
+    read.genericMapParams = grid.genericMapParams;
+    read.followAllBlocks();
+    std::uint64_t count = 0;
+    in >> count;
+    if (count != read.sources_.size())
+        throw std::runtime_error("CSuperRayPointsMap: the stream has " + std::to_string(count) +
+                                 " points for " + std::to_string(read.sources_.size()) +
+                                 " occupied cells");
+    // Same cells in the order of the stream, for equal maps to stay equal.
+    read.sources_.clear();
+    read.blocks_.clear();
+    static_cast<CSimplePointsMap&>(read).CSimplePointsMap::setSize(0);
+    for (std::uint64_t i = 0; i < count; ++i) {
+        Source source{};
+        std::array<float, 3> position{};
+        for (auto& c : source.cell) in >> c;
+        in >> source.ends >> position[0] >> position[1] >> position[2];
+        const auto value = read.occupancy_->storage().logOdds(source.cell);
+        if (!value || *value < grid.sensorModel().occupied() ||
+            read.pointAt(source.cell) != kNoPoint)
+            throw std::runtime_error("CSuperRayPointsMap: bad point in the stream");
+        read.addPoint(source, position);
+    }
+    read.mark_as_modified();
+    copyAll(read);
+}
+
+template class CSuperRayPointsMap<2>;
+template class CSuperRayPointsMap<3>;
+
+}  // namespace superray
