@@ -6,7 +6,7 @@ set -euo pipefail
 
 packages=(
     g++ cmake ninja-build
-    libeigen3-dev libmrpt-dev liboctomap-dev libcli11-dev zlib1g-dev
+    libeigen3-dev libmrpt-dev liboctomap-dev libcli11-dev nlohmann-json3-dev zlib1g-dev
     libgtest-dev libbenchmark-dev
     mrpt-apps mrpt-common # the stock programs and the recorded scans
     python3               # system tests

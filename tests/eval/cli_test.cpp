@@ -1,13 +1,12 @@
 // The program itself: what it writes, prints and returns.
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <regex>
 
 #include "eval/recorded_scans.h"
+#include "eval/run_program.h"
 #include "eval/temp_folder.h"
 
 namespace superray {
@@ -16,19 +15,8 @@ namespace {
 using namespace test;
 using mrpt::poses::CPose3D;
 
-struct Result {
-    int code;
-    std::string out, error;
-};
-
-/// Runs superray-map with arguments as a shell splits them.
-Result run(const TempFolder& folder, const std::string& arguments) {
-    const auto out = folder / "stdout", error = folder / "stderr";
-    const int status = std::system(
-        ("'" SUPERRAY_MAP_APP "' " + arguments + " >'" + out + "' 2>'" + error + "' </dev/null")
-            .c_str());
-    EXPECT_TRUE(WIFEXITED(status)) << arguments;
-    return {WEXITSTATUS(status), readWholeFile(out), readWholeFile(error)};
+ProgramResult run(const TempFolder& folder, const std::string& arguments) {
+    return runProgram(folder, SUPERRAY_MAP_APP, arguments);
 }
 
 std::string runOk(const TempFolder& folder, const std::string& arguments) {

@@ -4,21 +4,12 @@
 #include <superray/maps/super_ray_map_interface.h>
 
 #include <algorithm>
-#include <chrono>
 #include <sstream>
+
+#include "stopwatch.h"
 
 namespace superray {
 namespace {
-
-class Stopwatch {
- public:
-    double seconds() const {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
-
- private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 bool insert(mrpt::maps::CMetricMap& map, const Scan& scan, std::uint64_t number) {
     try {

@@ -1,0 +1,14 @@
+#pragma once
+/// \file commands.h
+/// One function per subcommand.
+
+#include "common/program.h"
+
+namespace superray {
+
+/// Exit codes: 1 also where exact engines do not agree.
+enum ExitCode : int { kSuccess = 0, kError = 1 };
+
+Command declareCompare(CLI::App& app);
+
+}  // namespace superray

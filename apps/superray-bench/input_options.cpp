@@ -1,0 +1,61 @@
+#include "input_options.h"
+
+#include <superray/eval/bench_engine.h>
+#include <superray/eval/input_error.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+
+namespace superray {
+
+const char* const kDataHelp =
+    R"(DATA is a simulated world, for which no file is needed, or recorded scans:
+  indoor    corridor with rooms, 66 scans of 89,446 points
+  outdoor   campus, 81 scans of 247,817 points, ranges to 80 m
+  a file    .rawlog, .simplemap, .graph, or a KITTI odometry folder
+)";
+
+void addInputOptions(CLI::App& app, ScanSourceOptions& source, std::uint64_t& worldSeed) {
+    app.add_option("--scans", source.maxScans, "Use the first so many scans; default: all")
+        ->type_name("N");
+    app.add_option("--seed", worldSeed, "Seed of simulated worlds; default 1")->type_name("N");
+    app.add_option("--sensor", source.sensorLabel,
+                   "Sensor labels of recorded data, comma-separated; default: all")
+        ->type_name("LABELS");
+    app.add_option("--poses", source.posesFile,
+                   "Robot poses of recorded data: TUM or MRPT text")
+        ->type_name("FILE");
+}
+
+void finishInputOptions(ScanSourceOptions& source) {
+    if (!source.posesFile.empty()) source.poses = PoseOrigin::file;
+}
+
+std::string enginesHelp() {
+    std::string text = "Engines:\n";
+    for (const auto& engine : benchEngines()) {
+        std::string name = "  " + engine.name;
+        name.resize(std::max<std::size_t>(name.size() + 1, 20), ' ');
+        text += name + engine.description + "\n";
+    }
+    return text;
+}
+
+ProgressMeter::Style progressStyle() {
+    return isatty(STDERR_FILENO) != 0 ? ProgressMeter::Style::terminal
+                                      : ProgressMeter::Style::log;
+}
+
+void writeTextFile(const std::string& path, const std::string& text) {
+    const std::string part = path + ".part";
+    std::ofstream file(part, std::ios::binary);
+    file << text;
+    file.close();
+    if (!file || std::rename(part.c_str(), path.c_str()) != 0) {
+        std::remove(part.c_str());
+        throw InputError("cannot write " + path);
+    }
+}
+
+}  // namespace superray

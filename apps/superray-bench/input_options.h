@@ -1,0 +1,28 @@
+#pragma once
+/// \file input_options.h
+/// Options that several subcommands have.
+
+#include <superray/eval/point_scan.h>
+#include <superray/eval/progress_meter.h>
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace superray {
+
+/// What `DATA` may be: for the footer of a --help.
+extern const char* const kDataHelp;
+
+/// --scans, --seed, --sensor, --poses: how data are read.
+void addInputOptions(CLI::App& app, ScanSourceOptions& source, std::uint64_t& worldSeed);
+/// "name  description" of each engine.
+std::string enginesHelp();
+/// Progress as fits the error output.
+ProgressMeter::Style progressStyle();
+/// Writes a text file, whole or not at all. \throws InputError
+void writeTextFile(const std::string& path, const std::string& text);
+/// Poses from a file if one is given.
+void finishInputOptions(ScanSourceOptions& source);
+
+}  // namespace superray

@@ -1,0 +1,23 @@
+// superray-bench: how fast, how exact and how large, next to others.
+
+#include "commands.h"
+
+namespace {
+
+constexpr char kDescription[] =
+    R"(Benchmarks of occupancy mapping engines on recorded and simulated scans.
+
+  superray-bench compare indoor --resolutions 0.1,0.2 --engines octomap,grid,octree
+
+'superray-bench COMMAND --help' explains a command, with examples.)";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    using namespace superray;
+    return runProgram(
+        "superray-bench", kDescription,
+        {{"compare", "Time, work, memory and contents of engines on the same scans",
+          declareCompare}},
+        kError, argc, argv);
+}

@@ -1,0 +1,28 @@
+#pragma once
+/// \file bench_engines.h
+/// The built-in engines, one file each. (A list, because a linker leaves out
+/// of a static library what only registers itself.)
+
+#include <superray/eval/bench_engine.h>
+
+namespace superray {
+
+using BenchEngineList = std::vector<BenchEngineInfo>;
+
+void listOctomapEngine(BenchEngineList& list);
+void listOctomapRaysEngine(BenchEngineList& list);
+void listMrptOctomapEngine(BenchEngineList& list);
+void listMrptGrid3dEngine(BenchEngineList& list);
+void listSuperrayEngines(BenchEngineList& list);
+
+/// The peers' parameters: those of SensorProbabilities.
+template <class Map>
+void setSensorModel(Map& map) {
+    const SensorProbabilities p;
+    map.setProbHit(p.probHit);
+    map.setProbMiss(p.probMiss);
+    map.setClampingThresMin(p.clampMin);
+    map.setClampingThresMax(p.clampMax);
+}
+
+}  // namespace superray

@@ -1,0 +1,78 @@
+// superray-bench itself: what it writes, prints and returns.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "eval/bench_scans.h"
+#include "eval/run_program.h"
+#include "eval/temp_folder.h"
+
+namespace superray {
+namespace {
+
+using namespace test;
+
+ProgramResult run(const TempFolder& folder, const std::string& arguments) {
+    return runProgram(folder, SUPERRAY_BENCH_APP, arguments);
+}
+
+std::string runOk(const TempFolder& folder, const std::string& arguments) {
+    const auto r = run(folder, arguments);
+    EXPECT_EQ(r.code, 0) << arguments << "\n" << r.error;
+    return r.out;
+}
+
+void expectError(const TempFolder& folder, const std::string& arguments,
+                 const std::string& part) {
+    const auto r = run(folder, arguments);
+    EXPECT_EQ(r.code, 1) << arguments;
+    EXPECT_NE(r.error.find("superray-bench: error: "), std::string::npos) << r.error;
+    EXPECT_NE(r.error.find(part), std::string::npos) << arguments << "\n" << r.error;
+}
+
+TEST(BenchCli, comparesAndWritesJson) {
+    TempFolder folder;
+    const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
+    const auto text = runOk(folder, "compare" + in +
+                                        "--resolutions 0.2,0.4 --engines octomap,grid,octree "
+                                        "--threads 1,2 --json '" +
+                                        (folder / "out.json") + "'");
+    EXPECT_NE(text.find("small, 0.4 m, 3 scans"), std::string::npos) << text;
+    const auto document = nlohmann::json::parse(readWholeFile(folder / "out.json"));
+    ASSERT_EQ(document["runs"].size(), 10u);
+    for (const auto& r : document["runs"])
+        for (const char* field : {"data", "resolution", "engine", "threads", "ms_per_scan",
+                                  "ratio_to_octomap", "map_bytes", "digest"})
+            EXPECT_TRUE(r.contains(field) && !r[field].is_null()) << field;
+}
+
+TEST(BenchCli, comparesSimulatedWorldsWithoutAFile) {
+    TempFolder folder;
+    const auto text = runOk(
+        folder, "compare indoor --scans 1 --resolutions 0.4 --engines grid,octree --seed 3");
+    EXPECT_NE(text.find("indoor, 0.4 m, 1 scans, 89,446 points"), std::string::npos) << text;
+}
+
+TEST(BenchCli, helpTeachesAndErrorsAreOneLine) {
+    TempFolder folder;
+    const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
+    for (const char* command : {"", "compare"})
+        EXPECT_NE(runOk(folder, std::string(command) + " --help").find("  superray-bench "),
+                  std::string::npos);
+    EXPECT_NE(runOk(folder, "compare --help").find("mrpt-grid3d"), std::string::npos);
+    expectError(folder, "", "subcommand");
+    expectError(folder, "compare", "required");
+    expectError(folder, "compare absent.rawlog", "absent.rawlog");
+    expectError(folder, "compare" + in + "--engines gird", "gird");
+    expectError(folder, "compare" + in + "--policy seldom", "seldom");
+    expectError(folder, "compare" + in + "--resolutions 0", "resolution");
+    expectError(folder, "compare" + in + "--threads 0", "threads");
+    expectError(folder, "compare" + in + "--scans 0", "at least 1");
+    expectError(folder, "compare" + in + "--json out.txt", "out.txt");
+    expectError(folder, "compare" + in + "--json '" + (folder / "none/out.json") + "'",
+                "does not exist");
+}
+
+}  // namespace
+}  // namespace superray
