@@ -1,6 +1,6 @@
 foreach(name options range_image_returns velodyne_returns other_returns insertion
         serialization registration views voxel_view points_map likelihood distance_field
-        localization)
+        localization shared_storage)
   superray_add_test(maps_${name}_test SOURCES maps/${name}_test.cpp LIBS superray::maps)
 endforeach()
 target_link_libraries(maps_views_test PRIVATE octomap)

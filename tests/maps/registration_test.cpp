@@ -198,7 +198,7 @@ TEST(ConfigFiles, TheAdvancedOneNamesEveryOptionWithItsDefault) {
             EXPECT_TRUE(file.keyExists(section, key)) << section << " " << key;
         }
     }
-    EXPECT_EQ(options, 32u);
+    EXPECT_EQ(options, 33u);
 }
 
 }  // namespace

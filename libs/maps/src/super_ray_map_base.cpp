@@ -38,7 +38,7 @@ CSuperRayMapBase<Dim>::CSuperRayMapBase(const CSuperRayMapBase& other)
       likelihoodOptions(other.likelihoodOptions),
       renderingOptions(other.renderingOptions),
       type_(other.type_),
-      storage_(other.storage_->clone()),
+      storage_(other.storage_),
       last_(other.last_),
       totals_(other.totals_),
       distances_(std::make_unique<DistanceField<Dim>>()),
@@ -47,13 +47,12 @@ CSuperRayMapBase<Dim>::CSuperRayMapBase(const CSuperRayMapBase& other)
 template <int Dim>
 CSuperRayMapBase<Dim>& CSuperRayMapBase<Dim>::operator=(const CSuperRayMapBase& other) {
     if (this == &other) return *this;
-    Storage copy = other.storage_->clone();
     mrpt::maps::CMetricMap::operator=(other);
     insertionOptions = other.insertionOptions;
     likelihoodOptions = other.likelihoodOptions;
     renderingOptions = other.renderingOptions;
     type_ = other.type_;
-    storage_ = std::move(copy);
+    storage_ = other.storage_;
     last_ = other.last_;
     totals_ = other.totals_;
     contentsChanged();
@@ -61,9 +60,8 @@ CSuperRayMapBase<Dim>& CSuperRayMapBase<Dim>::operator=(const CSuperRayMapBase& 
 }
 
 template <int Dim>
-typename CSuperRayMapBase<Dim>::Storage CSuperRayMapBase<Dim>::makeEmptyStorage(
-    double metres) const {
-    return makeStorage<Dim>(type_, CellGeometry<Dim>(metres));
+SharedStorage<Dim> CSuperRayMapBase<Dim>::makeEmptyStorage(double metres) const {
+    return SharedStorage<Dim>(makeStorage<Dim>(type_, CellGeometry<Dim>(metres)));
 }
 
 template <int Dim>
@@ -130,7 +128,7 @@ void CSuperRayMapBase<Dim>::assignOptions(const TMapOptions& o) {
 }
 
 template <int Dim>
-void CSuperRayMapBase<Dim>::replaceAll(Storage storage, const TMapOptions& o) {
+void CSuperRayMapBase<Dim>::replaceAll(SharedStorage<Dim> storage, const TMapOptions& o) {
     assignOptions(o);
     storage_ = std::move(storage);
     last_ = totals_ = {};
@@ -163,7 +161,7 @@ void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>& counts) {
 
 template <int Dim>
 void CSuperRayMapBase<Dim>::internal_clear() {
-    storage_->clear();
+    storage_.clear();
     last_ = totals_ = {};
     contentsChanged();
 }
@@ -232,6 +230,7 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
     report.rays = rays.size();
     if (!rays.empty()) {
         report.scans = 1;
+        OccupancyMap<Dim>& map = storage_.writable();
         Stopwatch watch;
         const UpdateBatch<Dim>* applied = nullptr;
         if (ScanIntegrator<Dim>::needsExactCounts(integration, model)) {
@@ -240,14 +239,14 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
             report.work.rays = rays.size();
             recordChange(counts);
             view_->applied(counts);
-            storage_->apply(counts, model, integration.policy);
+            map.apply(counts, model, integration.policy);
         } else {
-            const auto& batch = integrator_.integrate(rays, model, integration, storage_.get());
+            const auto& batch = integrator_.integrate(rays, model, integration, &map);
             report.integrateSeconds = watch.lap();
             report.work = integrator_.statistics();
             recordChange(batch);
             view_->applied(batch);
-            storage_->apply(batch, model, integration.policy);
+            map.apply(batch, model, integration.policy);
             applied = &batch;
         }
         report.applySeconds = watch.lap();

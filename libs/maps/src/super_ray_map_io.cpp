@@ -48,10 +48,9 @@ Bytes readBytes(mrpt::serialization::CArchive& in) {
 template <int Dim>
 void CSuperRayMapBase<Dim>::writeTo(mrpt::serialization::CArchive& out) const {
     const std::string text = options().toText();
-    const auto cells = encodeCells(*storage_);
     writeBytes(out, text);
     out << checksum(text);
-    writeBytes(out, cells);
+    writeBytes(out, *storage_.encoded());
 }
 
 template <int Dim>
@@ -68,9 +67,9 @@ void CSuperRayMapBase<Dim>::readFrom(mrpt::serialization::CArchive& in, std::uin
         TMapOptions read;
         read.fromText(text);
         const auto cells = readBytes<std::vector<std::uint8_t>>(in);
-        Storage storage = makeEmptyStorage(read.creation.resolution);
-        decodeCells(cells.data(), cells.size(), *storage);
-        replaceAll(std::move(storage), read);
+        replaceAll(SharedStorage<Dim>::decoded(
+                       type_, CellGeometry<Dim>(read.creation.resolution), cells),
+                   read);
     } catch (const std::exception& e) {
         throw std::runtime_error(shortClassName() +
                                  ": cannot read map from stream: " + e.what());
@@ -102,9 +101,9 @@ void CSuperRayMapBase<Dim>::loadFromFile(const std::string& path) {
     } catch (const std::invalid_argument& e) {
         throw MapFileError(path + ": " + e.what());
     }
-    Storage storage = makeEmptyStorage(read.creation.resolution);
-    decodeCells(file.cells.data(), file.cells.size(), *storage);
-    replaceAll(std::move(storage), read);
+    replaceAll(SharedStorage<Dim>::decoded(type_, CellGeometry<Dim>(read.creation.resolution),
+                                           file.cells),
+               read);
 }
 
 template <int Dim>

@@ -19,8 +19,8 @@ class CSuperRayOctoMap : public CSuperRayMapBase<3> {
     explicit CSuperRayOctoMap(double resolution = 0.10)
         : CSuperRayMapBase<3>(StorageType::tree, resolution) {}
 
-    /// The tree: pruned, inner nodes up to date. Valid until the map is
-    /// loaded, assigned to or given another resolution.
+    /// The tree: pruned, inner nodes up to date. Valid until the map is loaded,
+    /// assigned to, given another resolution, or changed after it was copied.
     const octomap::OcTree& octree() const;
 
     MAP_DEFINITION_START(CSuperRayOctoMap)

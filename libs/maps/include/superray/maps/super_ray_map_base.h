@@ -9,6 +9,7 @@
 #include <superray/maps/change_log.h>
 #include <superray/maps/mrpt_compat.h>
 #include <superray/maps/options.h>
+#include <superray/maps/shared_storage.h>
 #include <superray/maps/super_ray_map_interface.h>
 #include <superray/storage/map_file.h>
 #include <superray/storage/occupancy_map.h>
@@ -24,6 +25,8 @@ template <int Dim>
 class DistanceField;
 
 /// An occupancy map in MRPT, updated by super rays and culling regions.
+///
+/// Copies share their cells until one of them changes, so copying is fast.
 ///
 /// The public options may be changed at any time: they are validated and take
 /// effect at the next insertion. Errors are std::invalid_argument and leave the
@@ -116,8 +119,6 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
                              const UpdateBatch<Dim>* /*batch*/) {}
 
  private:
-    using Storage = std::unique_ptr<OccupancyMap<Dim>>;
-
     void internal_clear() override;
     bool internal_insertObservation(
         const mrpt::obs::CObservation& observation,
@@ -128,9 +129,9 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     bool internal_canComputeObservationLikelihood(
         const mrpt::obs::CObservation& observation) const override;
 
-    Storage makeEmptyStorage(double resolution) const;
+    SharedStorage<Dim> makeEmptyStorage(double resolution) const;
     /// Takes over what was read; does not throw half-way.
-    void replaceAll(Storage storage, const TMapOptions& options);
+    void replaceAll(SharedStorage<Dim> storage, const TMapOptions& options);
     void assignOptions(const TMapOptions& options);
     /// All of the contents may be different.
     void contentsChanged();
@@ -140,7 +141,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     std::shared_ptr<mrpt::opengl::COctoMapVoxels> visualization() const;
 
     StorageType type_;
-    Storage storage_;
+    SharedStorage<Dim> storage_;
     ScanIntegrator<Dim> integrator_;
     TInsertionReport last_, totals_;
     ChangeLog<Dim> changes_;
