@@ -10,5 +10,6 @@ namespace superray {
 enum ExitCode : int { kSuccess = 0, kError = 1 };
 
 Command declareCompare(CLI::App& app);
+Command declareSimulate(CLI::App& app);
 
 }  // namespace superray

@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <fstream>
+#include <iostream>
 
 namespace superray {
 
@@ -45,6 +46,20 @@ std::string enginesHelp() {
 ProgressMeter::Style progressStyle() {
     return isatty(STDERR_FILENO) != 0 ? ProgressMeter::Style::terminal
                                       : ProgressMeter::Style::log;
+}
+
+void LoadMeter::update(std::uint64_t done, std::uint64_t total, std::uint64_t pointsPerScan) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!meter_) {
+        meter_ = std::make_unique<ProgressMeter>(std::cerr, progressStyle());
+        start_ = now;
+    }
+    BuildProgress progress;
+    progress.scans = done;
+    progress.totalScans = total;
+    progress.rays = done * pointsPerScan;
+    progress.seconds = std::chrono::duration<double>(now - start_).count();
+    meter_->update(progress);
 }
 
 void writeTextFile(const std::string& path, const std::string& text) {

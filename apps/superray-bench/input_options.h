@@ -6,6 +6,9 @@
 #include <superray/eval/progress_meter.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,6 +23,18 @@ void addInputOptions(CLI::App& app, ScanSourceOptions& source, std::uint64_t& wo
 std::string enginesHelp();
 /// Progress as fits the error output.
 ProgressMeter::Style progressStyle();
+/// Progress of reading or writing scans, on the error output.
+class LoadMeter {
+ public:
+    void update(std::uint64_t done, std::uint64_t total, std::uint64_t pointsPerScan);
+    /// Leaves the line that was redrawn.
+    void finish() { meter_.reset(); }
+
+ private:
+    std::unique_ptr<ProgressMeter> meter_;
+    std::chrono::steady_clock::time_point start_;
+};
+
 /// Writes a text file, whole or not at all. \throws InputError
 void writeTextFile(const std::string& path, const std::string& text);
 /// Poses from a file if one is given.

@@ -8,6 +8,7 @@ constexpr char kDescription[] =
     R"(Benchmarks of occupancy mapping engines on recorded and simulated scans.
 
   superray-bench compare indoor --resolutions 0.1,0.2 --engines octomap,grid,octree
+  superray-bench simulate outdoor -o campus.rawlog
 
 'superray-bench COMMAND --help' explains a command, with examples.)";
 
@@ -18,6 +19,7 @@ int main(int argc, char** argv) {
     return runProgram(
         "superray-bench", kDescription,
         {{"compare", "Time, work, memory and contents of engines on the same scans",
-          declareCompare}},
+          declareCompare},
+         {"simulate", "Write the scans of a simulated world as a recording", declareSimulate}},
         kError, argc, argv);
 }

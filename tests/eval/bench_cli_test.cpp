@@ -54,10 +54,24 @@ TEST(BenchCli, comparesSimulatedWorldsWithoutAFile) {
     EXPECT_NE(text.find("indoor, 0.4 m, 1 scans, 89,446 points"), std::string::npos) << text;
 }
 
+TEST(BenchCli, simulatesRecordings) {
+    TempFolder folder;
+    const std::string out = "'" + (folder / "a.rawlog") + "'";
+    const auto text = runOk(folder, "simulate indoor --scans 2 --resolution 0.2 -o " + out);
+    EXPECT_NE(text.find("2 of 89,446 points"), std::string::npos) << text;
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.tum"));
+    const auto table = runOk(folder, "compare --resolutions 0.4 --engines grid " + out);
+    EXPECT_NE(table.find("a, 0.4 m, 2 scans, 89,446 points"), std::string::npos) << table;
+    expectError(folder, "simulate moon -o " + out, "moon");
+    expectError(folder, "simulate indoor", "--output");
+    expectError(folder, "simulate indoor --scans 0 -o " + out, "at least 1");
+    expectError(folder, "simulate indoor -o a.txt", ".rawlog");
+}
+
 TEST(BenchCli, helpTeachesAndErrorsAreOneLine) {
     TempFolder folder;
     const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
-    for (const char* command : {"", "compare"})
+    for (const char* command : {"", "compare", "simulate"})
         EXPECT_NE(runOk(folder, std::string(command) + " --help").find("  superray-bench "),
                   std::string::npos);
     EXPECT_NE(runOk(folder, "compare --help").find("mrpt-grid3d"), std::string::npos);

@@ -1,9 +1,11 @@
 // The simulated worlds: what is promised about scans, and the ground truth.
 
 #include <gtest/gtest.h>
+#include <mrpt/obs/CObservationPointCloud.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/point_scan.h>
 #include <superray/eval/seeded_random.h>
+#include <superray/eval/simulated_rawlog.h>
 #include <superray/eval/simulated_world.h>
 
 #include <cmath>
@@ -128,6 +130,44 @@ TEST(SimulatedWorld, isASourceOfPointsInTheMapFrame) {
         }
     }
     EXPECT_LT(beside, 100);
+}
+
+TEST(SimulatedWorld, readsBackFromItsRecording) {
+    test::TempFolder folder;
+    const std::string path = folder / "hall.rawlog";
+    const SimulatedWorld world("indoor", 4);
+    writeSimulatedRawlog(world, 5, path);
+    PointScanRequest simulated, recorded, withPoses;
+    simulated.data = "indoor";
+    simulated.worldSeed = 4;
+    simulated.source.maxScans = 5;
+    recorded.data = withPoses.data = path;
+    withPoses.source.poses = PoseOrigin::file;
+    withPoses.source.posesFile = folder / "hall.tum";
+    const PointScans expected = loadPointScans(simulated);
+    ASSERT_EQ(expected.scans.size(), 5u);
+    for (const auto& request : {recorded, withPoses}) {
+        const PointScans read = loadPointScans(request);
+        ASSERT_EQ(read.scans.size(), 5u);
+        EXPECT_EQ(read.name, "hall");
+        for (std::size_t i = 0; i < 5; ++i) {
+            EXPECT_TRUE(read.scans[i].origin == expected.scans[i].origin);
+            EXPECT_TRUE(samePoints(read.scans[i].points, expected.scans[i].points)) << i;
+        }
+    }
+    // What the sensor saw, bit for bit.
+    const auto source = openScanSource(path);
+    EXPECT_EQ(source->total(), 5u);
+    const auto first = source->next();
+    ASSERT_TRUE(first.has_value());
+    const auto& cloud =
+        dynamic_cast<const mrpt::obs::CObservationPointCloud&>(*first->observation);
+    EXPECT_FALSE(cloud.sensorPose == mrpt::poses::CPose3D());
+    EXPECT_EQ(cloud.pointcloud->size(), world.pointsPerScan());
+    EXPECT_NE(test::messageOf<InputError>([&] {
+                  writeSimulatedRawlog(world, 1, folder / "none/a.rawlog");
+              }).find("none/a.rawlog"),
+              std::string::npos);
 }
 
 // The numbers themselves: a change of the generator would change every world.

@@ -95,7 +95,7 @@ WorldPlan planOutdoor(std::uint64_t seed) {
             plan.scene.cylinders.push_back({place, 0.09, ground - kBelowGround, ground + 6.2});
     }
 
-    plan.sensor = {1620, 256, -0.075, 0.06, 80, 0.015, {0.2, 0.05, 1.73}, -0.01, 0.1};
+    plan.sensor = {1700, 256, -0.06, 0.075, 80, 0.015, {0.2, 0.05, 1.73}, -0.01, 0.1};
     plan.scans = 81;
     plan.pointsPerScan = 247817;
     return plan;

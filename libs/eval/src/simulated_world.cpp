@@ -1,3 +1,4 @@
+#include <mrpt/poses/CPose3DQuat.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/seeded_random.h>
 #include <superray/eval/simulated_world.h>
@@ -37,13 +38,16 @@ Eigen::Vector2d unitVector(double turns) {
     }
 }
 
-/// Turned about the upright axis.
+/// Turned about the upright axis. Recordings store quaternions: the pose is the
+/// one that comes back from them.
 CPose3D uprightPose(const Eigen::Vector3d& position, const Eigen::Vector2d& heading) {
     mrpt::math::CMatrixDouble33 rotation = mrpt::math::CMatrixDouble33::Identity();
     rotation(0, 0) = rotation(1, 1) = heading.x();
     rotation(0, 1) = -heading.y();
     rotation(1, 0) = heading.y();
-    return CPose3D(rotation, mrpt::math::TPoint3D(position.x(), position.y(), position.z()));
+    const CPose3D pose(rotation,
+                       mrpt::math::TPoint3D(position.x(), position.y(), position.z()));
+    return CPose3D(mrpt::poses::CPose3DQuat(pose));
 }
 
 Eigen::Vector2d rotated(const Eigen::Vector2d& v, const Eigen::Vector2d& by) {
@@ -81,6 +85,11 @@ struct SimulatedWorld::Impl {
     std::uint64_t seed;
     WorldPlan plan;
     std::vector<Eigen::Vector2d> beams;  // (horizontal, vertical) part of unit vectors
+
+    /// Returns of one turn [m, sensor frame], as the sensor delivers them.
+    std::vector<Eigen::Vector3f> turn(const CPose3D& T_map_sensor,
+                                      const Eigen::Vector2d& heading, int columns,
+                                      SeededRandom random) const;
 };
 
 const std::vector<std::string>& SimulatedWorld::names() {
@@ -117,33 +126,20 @@ double SimulatedWorld::largestNoise() const {
     return impl_->plan.sensor.noise * SeededRandom::kBellBound;
 }
 
-SimulatedScan SimulatedWorld::scan(std::size_t index) const {
-    const WorldPlan& plan = impl_->plan;
+std::vector<Eigen::Vector3f> SimulatedWorld::Impl::turn(const CPose3D& T_map_sensor,
+                                                        const Eigen::Vector2d& heading,
+                                                        int columns,
+                                                        SeededRandom random) const {
     const SpinningSensor& sensor = plan.sensor;
-    SeededRandom random(impl_->seed, 1000 + index);
-
-    SimulatedScan scan;
-    scan.seconds = sensor.secondsPerScan * static_cast<double>(index);
-    const PlaceOnPath place =
-        along(plan.path, static_cast<double>(index) / static_cast<double>(plan.scans - 1));
-    scan.T_map_robot =
-        uprightPose({place.position.x(), place.position.y(),
-                     plan.scene.groundAt(place.position.x(), place.position.y())},
-                    place.heading);
-    const Eigen::Vector2d mounted = unitVector(sensor.yawOnRobot);
-    scan.T_robot_sensor = uprightPose(sensor.positionOnRobot, mounted);
-    const CPose3D T_map_sensor = scan.T_map_robot + scan.T_robot_sensor;
     const Eigen::Vector3d origin(T_map_sensor.x(), T_map_sensor.y(), T_map_sensor.z());
-    const Eigen::Vector2d heading = rotated(mounted, place.heading);
-
     ScenePlane plane;
     std::vector<Eigen::Vector3f> returns;
-    returns.reserve(static_cast<std::size_t>(sensor.columns) * impl_->beams.size());
-    for (int column = 0; column < sensor.columns; ++column) {
+    returns.reserve(static_cast<std::size_t>(columns) * beams.size());
+    for (int column = 0; column < columns; ++column) {
         // Clockwise, as most spinning sensors do.
-        const Eigen::Vector2d azimuth = unitVector(-(column + 0.5) / sensor.columns);
+        const Eigen::Vector2d azimuth = unitVector(-(column + 0.5) / columns);
         plan.scene.cut(origin, rotated(azimuth, heading), sensor.range, plane);
-        for (const Eigen::Vector2d& beam : impl_->beams) {
+        for (const Eigen::Vector2d& beam : beams) {
             const double range = plane.cast(beam.y() / beam.x()) / beam.x();
             if (!(range <= sensor.range)) continue;
             const double measured = range + random.bell(sensor.noise);
@@ -152,12 +148,31 @@ SimulatedScan SimulatedWorld::scan(std::size_t index) const {
             returns.push_back(point.cast<float>());
         }
     }
+    return returns;
+}
 
+SimulatedScan SimulatedWorld::scan(std::size_t index) const {
+    const WorldPlan& plan = impl_->plan;
+    const SpinningSensor& sensor = plan.sensor;
+    SimulatedScan scan;
+    scan.seconds = sensor.secondsPerScan * static_cast<double>(index);
+    const PlaceOnPath place =
+        along(plan.path, static_cast<double>(index) / static_cast<double>(plan.scans - 1));
+    const Eigen::Vector2d& at = place.position;
+    scan.T_map_robot =
+        uprightPose({at.x(), at.y(), plan.scene.groundAt(at.x(), at.y())}, place.heading);
+    const Eigen::Vector2d mounted = unitVector(sensor.yawOnRobot);
+    scan.T_robot_sensor = uprightPose(sensor.positionOnRobot, mounted);
+
+    // Where much of the sky is open, the sensor turns more slowly.
+    std::vector<Eigen::Vector3f> returns;
+    const std::size_t wanted = plan.pointsPerScan;
+    for (int columns = sensor.columns; returns.size() < wanted; columns += columns / 4)
+        returns =
+            impl_->turn(scan.T_map_robot + scan.T_robot_sensor, rotated(mounted, place.heading),
+                        columns, SeededRandom(impl_->seed, 1000 + index));
     // Keep the number that was promised, evenly.
-    const std::size_t wanted = plan.pointsPerScan, found = returns.size();
-    if (found < wanted)
-        throw std::logic_error("world '" + impl_->name + "': scan " + std::to_string(index) +
-                               " has only " + std::to_string(found) + " returns");
+    const std::size_t found = returns.size();
     scan.points.reserve(wanted);
     for (std::size_t i = 0; i < found; ++i)
         if ((i + 1) * wanted / found > i * wanted / found) scan.points.push_back(returns[i]);
