@@ -68,10 +68,26 @@ TEST(BenchCli, simulatesRecordings) {
     expectError(folder, "simulate indoor -o a.txt", ".rawlog");
 }
 
+TEST(BenchCli, replaysInRealTime) {
+    TempFolder folder;
+    const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
+    const auto json = folder / "out.json";
+    const auto text = runOk(folder, "realtime" + in +
+                                        "--rate 0.01 --engines grid --threads 1,2 "
+                                        "--keep-all-points --json '" +
+                                        json + "'");
+    EXPECT_NE(text.find("all points"), std::string::npos) << text;
+    const auto runs = nlohmann::json::parse(readWholeFile(json))["runs"];
+    ASSERT_EQ(runs.size(), 2u);
+    EXPECT_EQ(runs[1]["scans_lost"], 0);
+    expectError(folder, "realtime" + in + "--rate 0", "rate");
+    expectError(folder, "realtime absent.rawlog", "absent.rawlog");
+}
+
 TEST(BenchCli, helpTeachesAndErrorsAreOneLine) {
     TempFolder folder;
     const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
-    for (const char* command : {"", "compare", "simulate"})
+    for (const char* command : {"", "compare", "realtime", "simulate"})
         EXPECT_NE(runOk(folder, std::string(command) + " --help").find("  superray-bench "),
                   std::string::npos);
     EXPECT_NE(runOk(folder, "compare --help").find("mrpt-grid3d"), std::string::npos);

@@ -1,0 +1,78 @@
+#include <superray/eval/map_output.h>
+#include <superray/eval/realtime.h>
+
+#include <iostream>
+#include <memory>
+
+#include "commands.h"
+#include "input_options.h"
+
+namespace superray {
+namespace {
+
+constexpr char kProtocol[] =
+    R"(
+Scan i arrives at i / rate seconds. One that arrives while the map is still
+being updated is lost. The clock is simulated: the elapsed time that each update
+takes decides what is lost, and nothing waits. Times are those of this machine,
+as busy as it is.
+
+20 % of the points of every scan (seeded) are for testing: their end points
+should be occupied (p > 0.7), and one point drawn along each of their rays, at
+least two cells before its end, free (p < 0.3). Scans that were lost are tested
+too. Maps are made of the other points, as in the paper, or of all points with
+--keep-all-points, which gives the times of a robot that uses whole scans.
+
+Examples:
+  superray-bench realtime drive.rawlog --rate 10 --resolution 0.2
+  superray-bench realtime room.rawlog --rate 30 --resolution 0.05 --engines grid \
+      --threads 2 --keep-all-points
+)";
+
+struct Arguments {
+    RealtimeRequest request;
+    std::string policy = "everyRay";
+    std::string json;
+    bool keepAllPoints = false;
+};
+
+int realtime(Arguments& a) {
+    a.request.policy = updatePolicyFromString(a.policy);
+    if (a.keepAllPoints) a.request.training = TrainingPoints::all;
+    finishInputOptions(a.request.source);
+    if (!a.json.empty()) checkOutputPath(a.json, {".json"});
+    const auto runs = runRealtime(a.request, std::cerr);
+    std::cout << realtimeAsText(a.request, runs);
+    if (!a.json.empty()) writeTextFile(a.json, realtimeAsJson(a.request, runs));
+    return kSuccess;
+}
+
+}  // namespace
+
+Command declareRealtime(CLI::App& app) {
+    auto arguments = std::make_shared<Arguments>();
+    auto& a = *arguments;
+    a.request.engines = {"octomap", "grid", "octree"};
+    app.footer(kDataHelp + std::string("\n") + enginesHelp() + kProtocol);
+    app.add_option("DATA", a.request.data, "Scans")->required()->type_name("DATA");
+    app.add_option("--rate", a.request.rate, "Scans a second; default 10")->type_name("HZ");
+    app.add_option("--resolution", a.request.resolution, "Cell edge; default 0.2")
+        ->type_name("METRES");
+    app.add_option("--engines", a.request.engines, "Default octomap,grid,octree")
+        ->delimiter(',')
+        ->type_name("NAMES");
+    app.add_option("--threads", a.request.threads,
+                   "Numbers of threads, each run by itself; default 1")
+        ->delimiter(',')
+        ->type_name("N");
+    app.add_option("--policy", a.policy, "everyRay (default) or oncePerScan")
+        ->type_name("POLICY");
+    app.add_flag("--keep-all-points", a.keepAllPoints, "Make maps of the test points too");
+    app.add_option("--test-seed", a.request.testSeed, "Choice of test points; default 1")
+        ->type_name("N");
+    addInputOptions(app, a.request.source, a.request.worldSeed);
+    app.add_option("--json", a.json, "Write all figures")->type_name("FILE");
+    return [arguments] { return realtime(*arguments); };
+}
+
+}  // namespace superray
