@@ -24,7 +24,7 @@ TEST(Options, TextRoundTripKeepsEveryBit) {
     // Every line but the section headers and load_from differs from the default.
     const std::string defaults = TMapOptions().toText();
     ASSERT_EQ(linesOf(text), linesOf(defaults));
-    ASSERT_EQ(linesOf(text), 4u + 5u + 17u + 5u + 6u);
+    ASSERT_EQ(linesOf(text), 4u + 5u + 18u + 5u + 6u);
     std::istringstream a(text), b(defaults);
     std::size_t same = 0;
     for (std::string x, y; std::getline(a, x) && std::getline(b, y);) same += x == y ? 1 : 0;
@@ -115,6 +115,7 @@ TEST(Options, BadValuesNameSectionKeyValueAndRule) {
         {"insertOpts", "minrange", "-1", "minrange >= 0"},
         {"insertOpts", "maxrange", "", "must be a number"},
         {"insertOpts", "heightBandMin", "inf", "heightBandMin < heightBandMax"},
+        {"insertOpts", "sweepDuration", "-1", "sweepDuration >= 0"},
         {"likelihoodOpts", "sigma", "0", "sigma > 0"},
         {"likelihoodOpts", "maxDistance", "-1", "maxDistance > 0"},
         {"likelihoodOpts", "uniformWeight", "1", "uniformWeight < 1"},
@@ -122,7 +123,7 @@ TEST(Options, BadValuesNameSectionKeyValueAndRule) {
         {"likelihoodOpts", "decimation", "0", "decimation >= 1"},
         {"renderOpts", "colour", "red", "height or occupancy"},
     };
-    ASSERT_EQ(lines.size(), 25u);
+    ASSERT_EQ(lines.size(), 26u);
     for (const auto& line : lines) {
         const CConfigFileMemory file("[m_" + std::string(line.section) + "]\n" + line.key +
                                      " = " + line.value + "\n");

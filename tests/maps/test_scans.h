@@ -138,6 +138,7 @@ inline TMapOptions unusualOptions() {
     o.insertion.decimation = 3;
     o.insertion.insertNoReturnRays = true;
     o.insertion.noReturnRange = 2.5;
+    o.insertion.sweepDuration = 0.0375;
     o.insertion.sensorLabel = "CLOUD, other label";
     o.insertion.heightBandMin = -1.0 / 3;
     o.insertion.heightBandMax = 1.7;

@@ -37,6 +37,7 @@ void visitInsertion(O& o, Visit visit) {
     visit("decimation", o.decimation, "use one of so many measurements");
     visit("insertNoReturnRays", o.insertNoReturnRays, "measurements without return clear");
     visit("noReturnRange", o.noReturnRange, "[m] their length, <= 0: sensor's maximum");
+    visit("sweepDuration", o.sweepDuration, "[s] of a 2D scan, for de-skewing");
     visit("sensorLabel", o.sensorLabel, "comma-separated, empty: all");
     visit("heightBandMin", o.heightBandMin, "[m] map frame, 3D returns only");
     visit("heightBandMax", o.heightBandMax, "[m] map frame, 3D returns only");
@@ -144,6 +145,8 @@ void TInsertionOptions::validate() const {
     integratorOptions();
     require(decimation >= 1, "decimation", decimation, "decimation >= 1");
     require(!std::isnan(noReturnRange), "noReturnRange", noReturnRange, "being a number");
+    require(std::isfinite(sweepDuration) && sweepDuration >= 0, "sweepDuration", sweepDuration,
+            "sweepDuration >= 0");
     require(heightBandMin < heightBandMax, "heightBandMin", heightBandMin,
             "heightBandMin < heightBandMax");
     formatValue(sensorLabel);

@@ -18,6 +18,7 @@ std::optional<SensorReturns> read(const mrpt::obs::CObservation2DRangeScan& scan
         if (!to.next()) continue;
         const double fraction =
             n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) : 0.5;
+        to.measuredAt(fraction * options.sweepSeconds);
         const double angle = span * (fraction - 0.5);
         const Eigen::Vector3f direction(static_cast<float>(std::cos(angle)),
                                         static_cast<float>(std::sin(angle)), 0.0f);
@@ -60,6 +61,7 @@ std::optional<SensorReturns> readRotating(const Scan& scan, const ReturnOptions&
     for (int i = 0; i < n; ++i) {
         if (!to.next()) continue;
         const double fraction = n > 1 ? i / static_cast<double>(n - 1) : 0.5;
+        to.measuredAt(fraction * options.sweepSeconds);
         const double azimuth = scan.startAzimuth + scan.azimuthSpan * fraction;
         const Eigen::Vector3f direction(static_cast<float>(std::cos(azimuth)),
                                         static_cast<float>(std::sin(azimuth)), 0.0f);

@@ -23,7 +23,11 @@ class ReturnCollector {
         const double range = options.noReturnRange > 0 ? options.noReturnRange : sensorMaximum;
         if (options.noReturnRays && range > 0 && std::isfinite(range))
             noReturnRange_ = static_cast<float>(range);
+        timed_ = options.times == ReturnTimes::read;
     }
+
+    /// Time of the measurements that follow [s], after the observation's.
+    void measuredAt(double seconds) { seconds_ = static_cast<float>(seconds); }
 
     /// False if this measurement is to be left out. To be asked once for each.
     bool next() {
@@ -33,13 +37,17 @@ class ReturnCollector {
         return taken;
     }
 
-    void hit(const Eigen::Vector3f& point) { out_.hits.push_back(point); }
+    void hit(const Eigen::Vector3f& point) {
+        out_.hits.push_back(point);
+        if (timed_) out_.hitTimes.push_back(seconds_);
+    }
 
     /// \param direction of any length > 0, sensor frame
     void noReturn(const Eigen::Vector3f& direction) {
         ++out_.noReturnCount;
-        if (noReturnRange_ > 0)
-            out_.noReturns.push_back(direction.normalized() * noReturnRange_);
+        if (noReturnRange_ <= 0) return;
+        out_.noReturns.push_back(direction.normalized() * noReturnRange_);
+        if (timed_) out_.noReturnTimes.push_back(seconds_);
     }
     /// A measurement that tells nothing, e.g. one out of the sensor's limits.
     void invalid() { ++out_.noReturnCount; }
@@ -49,19 +57,29 @@ class ReturnCollector {
     unsigned decimation_;
     unsigned index_ = 0;
     float noReturnRange_ = 0;
+    bool timed_ = false;
+    float seconds_ = 0;
 };
 
 /// Points of any container pair of x, y, z; (0, 0, 0) means no return.
-template <class Floats>
-void collectPoints(const Floats& x, const Floats& y, const Floats& z, ReturnCollector& to) {
+/// \param secondsOf when point i was measured, see ReturnCollector::measuredAt()
+template <class Floats, class SecondsOf>
+void collectPoints(const Floats& x, const Floats& y, const Floats& z, ReturnCollector& to,
+                   SecondsOf secondsOf) {
     for (std::size_t i = 0; i < x.size(); ++i) {
         if (!to.next()) continue;
+        to.measuredAt(secondsOf(i));
         if (x[i] == 0 && y[i] == 0 && z[i] == 0) {
             to.invalid();
         } else {
             to.hit({x[i], y[i], z[i]});
         }
     }
+}
+
+template <class Floats>
+void collectPoints(const Floats& x, const Floats& y, const Floats& z, ReturnCollector& to) {
+    collectPoints(x, y, z, to, [](std::size_t) { return 0.0; });
 }
 
 std::optional<SensorReturns> read(const mrpt::obs::CObservation3DRangeScan&,

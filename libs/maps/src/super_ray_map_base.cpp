@@ -3,6 +3,7 @@
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/opengl/COctoMapVoxels.h>
 #include <mrpt/opengl/CSetOfObjects.h>
+#include <mrpt/poses/CPose3DInterpolator.h>
 #include <superray/maps/observation_rays.h>
 
 #include <filesystem>
@@ -194,22 +195,54 @@ mrpt::math::TBoundingBoxf CSuperRayMapBase<Dim>::boundingBox() const {
 }
 
 template <int Dim>
-bool CSuperRayMapBase<Dim>::internal_insertObservation(
-    const mrpt::obs::CObservation& observation,
-    const std::optional<const mrpt::poses::CPose3D>& robotPose) {
+template <class ToBundle>
+bool CSuperRayMapBase<Dim>::insertReturns(const mrpt::obs::CObservation& observation,
+                                          ReturnTimes times, ToBundle toBundle) {
     if (!insertionOptions.acceptsSensor(observation.sensorLabel)) return false;
     insertionOptions.validate();
     Stopwatch watch;
     const auto returns = readReturns(
         observation, {insertionOptions.decimation, insertionOptions.insertNoReturnRays,
-                      insertionOptions.noReturnRange});
+                      insertionOptions.noReturnRange, times, insertionOptions.sweepDuration});
     if (!returns) return false;
     TInsertionReport report;
-    const auto rays = toRays(*returns, robotPose.value_or(mrpt::poses::CPose3D()),
-                             storage_->geometry(), insertionOptions, report);
+    const RayBundle<Dim> rays = toBundle(*returns, report);
     report.toRaysSeconds = watch.lap();
     integrate(rays, report);
     return !rays.empty();
+}
+
+template <int Dim>
+bool CSuperRayMapBase<Dim>::internal_insertObservation(
+    const mrpt::obs::CObservation& observation,
+    const std::optional<const mrpt::poses::CPose3D>& robotPose) {
+    return insertReturns(observation, ReturnTimes::ignore,
+                         [&](const SensorReturns& returns, TInsertionReport& report) {
+                             return toRays(returns, robotPose.value_or(mrpt::poses::CPose3D()),
+                                           storage_->geometry(), insertionOptions, report);
+                         });
+}
+
+template <int Dim>
+bool CSuperRayMapBase<Dim>::insertObservationAlong(const mrpt::obs::CObservation& observation,
+                                                   const PoseAtTime& T_map_robot) {
+    if (!genericMapParams.enableObservationInsertion) return false;
+    return insertReturns(observation, ReturnTimes::read,
+                         [&](const SensorReturns& returns, TInsertionReport& report) {
+                             return toRaysAlong(returns, observation.timestamp, T_map_robot,
+                                                storage_->geometry(), insertionOptions, report);
+                         });
+}
+
+bool SuperRayMapInterface::insertObservationAlong(
+    const mrpt::obs::CObservation& observation,
+    const mrpt::poses::CPose3DInterpolator& trajectory) {
+    return insertObservationAlong(observation, [&](mrpt::Clock::time_point time) {
+        mrpt::poses::CPose3D pose;
+        bool valid = false;
+        trajectory.interpolate(time, pose, valid);
+        return valid ? std::optional<mrpt::poses::CPose3D>(pose) : std::nullopt;
+    });
 }
 
 template <int Dim>
@@ -271,7 +304,7 @@ double CSuperRayMapBase<Dim>::internal_computeObservationLikelihood(
     if (!insertionOptions.acceptsSensor(observation.sensorLabel)) return 0;
     likelihoodOptions.validate();
     insertionOptions.validate();
-    const auto returns = readReturns(observation, {likelihoodOptions.decimation, false, 0});
+    const auto returns = readReturns(observation, {likelihoodOptions.decimation});
     if (!returns) return 0;
     TInsertionReport report;
     const auto rays =

@@ -1,3 +1,5 @@
+#include <mrpt/system/datetime.h>
+
 #include <algorithm>
 #include <array>
 #include <sstream>
@@ -21,13 +23,14 @@ constexpr double kRadiansPerUnit = M_PI / 18000;  // azimuths come in 0.01 degre
 struct Timing {
     double returnPeriod;  ///< from one laser to the next
     double firingPeriod;  ///< from one firing of all lasers to the next
-    double blockPeriod;   ///< from one block to the next
+    double blockPeriod;   ///< from one block to the next (of another azimuth)
 };
 constexpr Timing kVlp16{2.304, 55.296, 110.592};  // two firings of 16 per block
 constexpr Timing kHdl32{1.152, 46.08, 46.08};     // one firing of 32 per block
 /// HDL-64E: two blocks (upper and lower bank) share an azimuth; the manual has
-/// no rule to interpolate, and the calibration is made without.
-constexpr Timing kHdl64{0, 0, 1};
+/// no rule to interpolate, and the calibration is made without. 1.33 million
+/// points per second make 48 us for the pair.
+constexpr Timing kHdl64{0, 0, 48};
 
 struct Model {
     const std::vector<LaserCalibration>* lasers;
@@ -74,6 +77,14 @@ double azimuthPerBlock(const Packet& packet, int blocksPerAzimuth) {
     return advance[static_cast<std::size_t>(n / 2)];
 }
 
+/// Time since the first packet of a scan [us]. Packets count from the full hour.
+double microsecondsSince(const Packet& first, const Packet& packet) {
+    constexpr std::int64_t kHour = 3600000000;
+    const auto elapsed =
+        std::int64_t{packet.gps_timestamp()} - std::int64_t{first.gps_timestamp()};
+    return static_cast<double>(elapsed < 0 ? elapsed + kHour : elapsed);
+}
+
 /// The manufacturer's model: the beam of a laser leaves the axis with an offset
 /// in height and sideways. Velodyne's y is MRPT's x, its x is MRPT's -y.
 struct Beam {
@@ -108,7 +119,9 @@ class PacketReader {
         const bool dual = packet.laser_return_mode == Scan::RETMODE_DUAL;
         // Dual return: two blocks per azimuth. HDL-64E: the two banks.
         const bool banks = model_.lasers->size() == 64;
-        const double turn = azimuthPerBlock(packet, dual || banks ? 2 : 1);
+        const int blocksPerAzimuth = dual || banks ? 2 : 1;
+        const double turn = azimuthPerBlock(packet, blocksPerAzimuth);
+        const double packetTime = microsecondsSince(scan_.scan_packets.front(), packet);
         for (int b = 0; b < Scan::BLOCKS_PER_PACKET; ++b) {
             const auto& block = packet.blocks[b];
             const bool lower = block.header() == Scan::LOWER_BANK;
@@ -116,13 +129,15 @@ class PacketReader {
             if (block.header() != Scan::UPPER_BANK && !(banks && lower)) return;
             // The second block of a dual return repeats those that were single.
             const auto* twin = dual && !banks && b % 2 == 1 ? &packet.blocks[b - 1] : nullptr;
-            readBlock(block, twin, lower ? 32 : 0, turn);
+            const double blockTime =
+                packetTime + model_.timing.blockPeriod * (b / blocksPerAzimuth);
+            readBlock(block, twin, lower ? 32 : 0, turn, blockTime);
         }
     }
 
  private:
     void readBlock(const Scan::raw_block_t& block, const Scan::raw_block_t* twin,
-                   std::size_t firstLaser, double turn) const {
+                   std::size_t firstLaser, double turn, double blockTime) const {
         const std::size_t lasers = std::min<std::size_t>(model_.lasers->size(), 32);
         const Timing& timing = model_.timing;
         for (std::size_t i = 0; i < Scan::SCANS_PER_BLOCK; ++i) {
@@ -137,6 +152,7 @@ class PacketReader {
             const double azimuth = (units - 100 * laser.azimuthCorrection) * kRadiansPerUnit;
             const double distance = raw * kMetresPerUnit + laser.distanceCorrection;
             const Beam beam(laser, azimuth);
+            to_.measuredAt((blockTime + time) * 1e-6);
             if (raw == 0) {
                 to_.noReturn(beam.direction());
             } else if (distance < scan_.minRange || distance > scan_.maxRange) {
@@ -164,7 +180,11 @@ std::optional<SensorReturns> read(const Scan& scan, const ReturnOptions& options
         for (const auto& packet : scan.scan_packets) reader.read(packet);
     } else if (scan.point_cloud.size() > 0) {
         out.hits.reserve(scan.point_cloud.size());
-        collectPoints(scan.point_cloud.x, scan.point_cloud.y, scan.point_cloud.z, to);
+        const auto& cloud = scan.point_cloud;
+        const bool timed = cloud.timestamp.size() == cloud.x.size();
+        collectPoints(cloud.x, cloud.y, cloud.z, to, [&](std::size_t i) {
+            return timed ? mrpt::system::timeDifference(scan.timestamp, cloud.timestamp[i]) : 0;
+        });
     } else {
         return std::nullopt;
     }

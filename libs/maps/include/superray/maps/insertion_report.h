@@ -18,6 +18,7 @@ struct TInsertionReport {
     /// (they are rays too if insertNoReturnRays is set).
     std::uint64_t noReturns = 0;
     std::uint64_t outOfHeightBand = 0;  ///< returns outside heightBandMin..Max
+    std::uint64_t withoutPose = 0;      ///< rays measured when no robot pose is known
     ScanStatistics work;                ///< zero where method = reference
     double toRaysSeconds = 0;           ///< observation to rays
     double integrateSeconds = 0;        ///< rays to update batch
@@ -29,6 +30,7 @@ struct TInsertionReport {
         skipped += o.skipped;
         noReturns += o.noReturns;
         outOfHeightBand += o.outOfHeightBand;
+        withoutPose += o.withoutPose;
         work += o.work;
         toRaysSeconds += o.toRaysSeconds;
         integrateSeconds += o.integrateSeconds;

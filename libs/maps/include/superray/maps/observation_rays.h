@@ -7,12 +7,14 @@
 /// |--------------------------|-----------------------------------------------------|
 /// | CObservation3DRangeScan  | range image (pinhole or fisheye, distortion undone);|
 /// |                          | points3D when there is none                         |
-/// | CObservationVelodyneScan | raw packets, every return; point_cloud without them |
+/// | CObservationVelodyneScan | raw packets, every return, each with its time;       |
+/// |                          | point_cloud without them                            |
 /// | CObservationPointCloud   | the cloud (sensor frame)                            |
 /// | CObservation2DRangeScan  | valid ranges (a deltaPitch sweep is not modelled)   |
 /// | CObservationRotatingScan | points where the MRPT version has them; else the    |
 /// |                          | range image if it has one row (no vertical angles)  |
 
+#include <mrpt/core/Clock.h>
 #include <mrpt/obs/obs_frwds.h>
 #include <mrpt/poses/CPose3D.h>
 #include <superray/core/ray_bundle.h>
@@ -20,16 +22,22 @@
 #include <superray/maps/options.h>
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <vector>
 
 namespace superray {
+
+/// Whether the time of each measurement is wanted.
+enum class ReturnTimes : std::uint8_t { ignore, read };
 
 /// What to take from an observation.
 struct ReturnOptions {
     unsigned decimation = 1;    ///< use one of so many measurements
     bool noReturnRays = false;  ///< also list measurements without a return
     double noReturnRange = 0;   ///< [m] their length; <= 0: the sensor's maximum range
+    ReturnTimes times = ReturnTimes::ignore;
+    double sweepSeconds = 0;  ///< [s] from the first ray of a planar scan to its last
 };
 
 /// A scan in the sensor's frame.
@@ -37,6 +45,9 @@ struct SensorReturns {
     mrpt::poses::CPose3D sensorOnRobot;
     std::vector<Eigen::Vector3f> hits;       ///< [m]
     std::vector<Eigen::Vector3f> noReturns;  ///< far ends of rays without return [m]
+    /// With ReturnTimes::read, when each hit and noReturn was measured: [s] after
+    /// the observation's time stamp, 0 where the sensor does not tell.
+    std::vector<float> hitTimes, noReturnTimes;
     std::uint64_t noReturnCount = 0;  ///< measurements without (valid) return, listed or not
     bool planar = false;              ///< a 2D scan: the height band does not apply
 };
@@ -60,5 +71,17 @@ template <int Dim>
 RayBundle<Dim> toRays(const SensorReturns& returns, const mrpt::poses::CPose3D& T_map_robot,
                       const CellGeometry<Dim>& geometry, const TInsertionOptions& options,
                       TInsertionReport& report);
+
+/// Robot pose in the map frame at a time; nothing where it is not known.
+using PoseAtTime = std::function<std::optional<mrpt::poses::CPose3D>(mrpt::Clock::time_point)>;
+
+/// The same for a robot that moves during the scan: each ray has the pose, and the
+/// origin, of its own time. Rays without a pose are left out and counted.
+/// \param timestamp of the observation
+/// \param returns read with ReturnTimes::read
+template <int Dim>
+RayBundle<Dim> toRaysAlong(const SensorReturns& returns, mrpt::Clock::time_point timestamp,
+                           const PoseAtTime& T_map_robot, const CellGeometry<Dim>& geometry,
+                           const TInsertionOptions& options, TInsertionReport& report);
 
 }  // namespace superray

@@ -51,7 +51,10 @@ struct TInsertionOptions : public mrpt::config::CLoadableOptions {
     std::uint32_t decimation = 1;     ///< >= 1; use one of so many measurements
     bool insertNoReturnRays = false;  ///< measurements without return clear space
     double noReturnRange = 0;  ///< [m] length of such rays; <= 0: the sensor's maximum range
-    std::string sensorLabel;   ///< comma-separated labels to accept; empty: all
+    /// [s], >= 0: from the first ray of a 2D scan to its last; the time stamp is
+    /// that of the first. Used by insertObservationAlong() only.
+    double sweepDuration = 0;
+    std::string sensorLabel;  ///< comma-separated labels to accept; empty: all
     /// [m], map frame: only returns of 3D sensors with a height in
     /// [heightBandMin, heightBandMax] are inserted. 2D scans always are.
     double heightBandMin = -std::numeric_limits<double>::infinity();

@@ -63,6 +63,9 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     std::string digest() const override { return contentDigest(*storage_); }
     std::uint64_t changeStamp() const override { return changes_.stamp(); }
     SensorModel sensorModel() const override { return insertionOptions.sensorModel(); }
+    using SuperRayMapInterface::insertObservationAlong;
+    bool insertObservationAlong(const mrpt::obs::CObservation& observation,
+                                const PoseAtTime& T_map_robot) override;
     const TInsertionReport& lastInsertion() const override { return last_; }
     const TInsertionReport& totals() const override { return totals_; }
     TMapOptions options() const override;
@@ -137,6 +140,10 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     void contentsChanged();
     void recordChange(const UpdateBatch<Dim>& batch);
     void recordChange(const CellCountMap<Dim>& counts);
+    /// Inserts a scan whose rays toBundle(returns, report) makes.
+    template <class ToBundle>
+    bool insertReturns(const mrpt::obs::CObservation& observation, ReturnTimes times,
+                       ToBundle toBundle);
     void integrate(const RayBundle<Dim>& rays, TInsertionReport report);
     std::shared_ptr<mrpt::opengl::COctoMapVoxels> visualization() const;
 

@@ -5,12 +5,17 @@
 
 #include <superray/core/sensor_model.h>
 #include <superray/maps/insertion_report.h>
+#include <superray/maps/observation_rays.h>
 #include <superray/maps/options.h>
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <string>
+
+namespace mrpt::poses {
+class CPose3DInterpolator;
+}
 
 namespace superray {
 
@@ -46,6 +51,19 @@ class SuperRayMapInterface {
     /// A number that grows with every change of the contents; see
     /// CSuperRayMapBase::forEachChangedBlock().
     virtual std::uint64_t changeStamp() const = 0;
+
+    /// Inserts a scan that was taken while the robot moved: each ray from where the
+    /// sensor was when it was measured (Velodyne packets: the time of each firing;
+    /// 2D and single-row rotating scans: insertionOptions.sweepDuration; else all at
+    /// the observation's time stamp). Rays of times without a pose are left out and
+    /// counted. Depends on genericMapParams.enableObservationInsertion as
+    /// CMetricMap::insertObservation() does.
+    /// \return true if the map changed
+    virtual bool insertObservationAlong(const mrpt::obs::CObservation& observation,
+                                        const PoseAtTime& T_map_robot) = 0;
+    /// With the robot's trajectory in the map frame.
+    bool insertObservationAlong(const mrpt::obs::CObservation& observation,
+                                const mrpt::poses::CPose3DInterpolator& trajectory);
 
     /// What the last insertion did, and the sum of all since construction,
     /// clear() or loading.
