@@ -1,6 +1,6 @@
 # One executable per header of libs/eval; the command line has its own.
 foreach(name bench_compare bench_engine map_build map_compare map_output octomap_file
-             progress_meter rawlog_source realtime scan_source simulated_world trajectory)
+             paper_figures progress_meter rawlog_source realtime scan_source simulated_world trajectory)
   superray_add_test(eval_${name}_test SOURCES eval/${name}_test.cpp LIBS superray::eval octomap
                                                                                  nlohmann_json::nlohmann_json)
 endforeach()

@@ -10,6 +10,7 @@ namespace superray {
 enum ExitCode : int { kSuccess = 0, kError = 1 };
 
 Command declareCompare(CLI::App& app);
+Command declarePaper(CLI::App& app);
 Command declareRealtime(CLI::App& app);
 Command declareSimulate(CLI::App& app);
 

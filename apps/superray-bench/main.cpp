@@ -8,6 +8,7 @@ constexpr char kDescription[] =
     R"(Benchmarks of occupancy mapping engines on recorded and simulated scans.
 
   superray-bench compare indoor --resolutions 0.1,0.2 --engines octomap,grid,octree
+  superray-bench paper indoor -o paper_indoor
   superray-bench realtime drive.rawlog --rate 10 --resolution 0.2
   superray-bench simulate outdoor -o campus.rawlog
 
@@ -21,6 +22,7 @@ int main(int argc, char** argv) {
         "superray-bench", kDescription,
         {{"compare", "Time, work, memory and contents of engines on the same scans",
           declareCompare},
+         {"paper", "The paper's tables and figures for any data", declarePaper},
          {"realtime", "Scans at the sensor's rate: how many are lost, and how good is the map",
           declareRealtime},
          {"simulate", "Write the scans of a simulated world as a recording", declareSimulate}},

@@ -8,6 +8,7 @@ packages=(
     g++ cmake ninja-build
     libeigen3-dev libmrpt-dev liboctomap-dev libcli11-dev nlohmann-json3-dev zlib1g-dev
     libgtest-dev libbenchmark-dev
+    gnuplot-nox           # plots of superray-bench paper
     mrpt-apps mrpt-common # the stock programs and the recorded scans
     python3               # system tests
 )

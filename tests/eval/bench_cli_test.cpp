@@ -84,10 +84,23 @@ TEST(BenchCli, replaysInRealTime) {
     expectError(folder, "realtime absent.rawlog", "absent.rawlog");
 }
 
+TEST(BenchCli, writesThePapersTables) {
+    TempFolder folder;
+    const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
+    const auto text = runOk(folder, "paper" + in + "--resolutions 0.5 --thresholds 20 -o '" +
+                                        (folder / "paper") + "'");
+    EXPECT_NE(text.find("octree-full"), std::string::npos) << text;
+    EXPECT_TRUE(std::filesystem::exists(folder / "paper/table4_memory.csv"));
+    expectError(folder, "paper" + in, "--output");
+    expectError(folder, "paper absent.rawlog -o '" + (folder / "paper") + "'", "absent.rawlog");
+    expectError(folder, "paper" + in + "--thresholds 0 -o '" + (folder / "paper") + "'",
+                "superRayThreshold");
+}
+
 TEST(BenchCli, helpTeachesAndErrorsAreOneLine) {
     TempFolder folder;
     const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
-    for (const char* command : {"", "compare", "realtime", "simulate"})
+    for (const char* command : {"", "compare", "paper", "realtime", "simulate"})
         EXPECT_NE(runOk(folder, std::string(command) + " --help").find("  superray-bench "),
                   std::string::npos);
     EXPECT_NE(runOk(folder, "compare --help").find("mrpt-grid3d"), std::string::npos);

@@ -39,8 +39,7 @@ struct BenchRun {
     std::uint64_t scans = 0, points = 0;
     /// Each scan [ms]: elapsed time, and processor time of all threads.
     std::vector<double> wallMs, cpuMs;
-    /// Sum over all scans of octomap's time divided by that of this engine's:
-    /// processor time with one thread, elapsed time with several.
+    /// octomap's time over all scans divided by this engine's; see comparedMs().
     std::optional<double> ratioToOctomap;
     std::size_t mapBytes = 0;
     /// Largest growth of a process that does nothing else.
@@ -52,6 +51,12 @@ struct BenchRun {
     /// miss could change them.
     std::optional<std::uint64_t> unnecessaryCells;
 };
+
+/// The times of a run that comparisons go by [ms]: processor time with one
+/// thread, which other programs disturb less; elapsed time with several.
+inline const std::vector<double>& comparedMs(const BenchRun& run) {
+    return run.threads == 1 ? run.cpuMs : run.wallMs;
+}
 
 double meanOf(const std::vector<double>& values);    ///< 0 for none
 double medianOf(const std::vector<double>& values);  ///< 0 for none
