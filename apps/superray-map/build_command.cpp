@@ -23,6 +23,7 @@ Examples:
   superray-map build sequences/07 -o kitti.srmap --resolution 0.2 --threads 2
   superray-map build log.rawlog -o log.srmap --poses log.tum --sensor HDL64
   superray-map build one_scan.rawlog -o scan.srmap --fixed-robot
+  superray-map build drive.rawlog -o drive.srmap --poses drive.tum --deskew
   superray-map build log.rawlog -o plan.srmap --map CSuperRayGridMap2D
   superray-map build log.rawlog -o log.srmap --config maps.ini --section room
 )";
@@ -32,7 +33,7 @@ struct Arguments {
     std::string output;
     MapRequest map;
     ScanSourceOptions source;
-    bool fixedRobot = false, acceptTruncated = false;
+    bool fixedRobot = false, acceptTruncated = false, deskew = false;
 };
 
 ScanSources openAll(const Arguments& arguments, const std::string& sensorLabels) {
@@ -58,8 +59,10 @@ int build(const Arguments& arguments) {
         const bool terminal = isatty(STDERR_FILENO) != 0;
         ProgressMeter meter(
             std::cerr, terminal ? ProgressMeter::Style::terminal : ProgressMeter::Style::log);
-        report = buildMap(sources, *map, arguments.source.maxScans,
-                          [&](const BuildProgress& progress) { meter.update(progress); });
+        report = buildMap(
+            sources, *map, arguments.source.maxScans,
+            [&](const BuildProgress& progress) { meter.update(progress); },
+            arguments.deskew ? ScanMotion::alongTrajectory : ScanMotion::none);
     }
     info.saveToFile(arguments.output);
 
@@ -103,6 +106,12 @@ Command declareBuild(CLI::App& app) {
                       ->type_name("FILE");
     app.add_flag("--fixed-robot", a.fixedRobot, "The robot stays at the map's origin")
         ->excludes(poses);
+    app.add_flag(
+           "--deskew", a.deskew,
+           "The robot moved during each scan: every ray starts where the sensor was at its "
+           "time (raw Velodyne packets; 2D scans with sweepDuration in --config). Needs "
+           "poses by time")
+        ->excludes("--fixed-robot");
     app.add_flag("--accept-truncated", a.acceptTruncated,
                  "Map the whole scans of a broken input instead of refusing it");
     app.add_option("--config", a.map.configFile, "Options from an .ini file")

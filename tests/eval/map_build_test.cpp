@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_build.h>
 #include <superray/eval/map_request.h>
@@ -54,6 +55,64 @@ TEST(BuildMap, insertsAllScansAndAccountsForThem) {
     const auto text = describe(report);
     EXPECT_NE(text.find("scans      7 in"), std::string::npos) << text;
     EXPECT_NE(text.find("left out   nothing"), std::string::npos) << text;
+}
+
+/// A laser that sees a wall all around it, 3 m away.
+mrpt::obs::CObservation2DRangeScan::Ptr makeLaserScan(double seconds) {
+    auto scan = mrpt::obs::CObservation2DRangeScan::Create();
+    scan->timestamp = test::at(seconds);
+    scan->sensorLabel = "LASER";
+    scan->aperture = 6.0f;
+    scan->maxRange = 20;
+    scan->resizeScanAndAssign(361, 3.0f, true);
+    return scan;
+}
+
+TEST(BuildMap, deskewsAlongThePosesOfTheInput) {
+    TempFolder folder;
+    test::Objects objects;
+    for (int i = 0; i < 4; ++i) {
+        objects.push_back(makePose(i, CPose3D(2.0 * i, 0, 0, 0.3 * i, 0, 0)));
+        if (i < 3) objects.push_back(makeLaserScan(i));
+    }
+    const auto file = writeRawlog(folder / "moving.rawlog", objects);
+    const auto build = [&](double sweep, ScanMotion motion) {
+        ScanSources sources;
+        sources.push_back(openScanSource(file));
+        auto map = std::make_unique<CSuperRayGridMap3D>(0.1);
+        map->insertionOptions.sweepDuration = sweep;
+        const auto report = buildMap(
+            sources, *map, kNoLimit, [](const BuildProgress&) {}, motion);
+        EXPECT_EQ(report.insertion.rays + report.insertion.withoutPose, 3 * 361u);
+        EXPECT_EQ(report.insertion.withoutPose > 0, sweep > 1);
+        if (sweep > 1) {
+            EXPECT_NE(describe(report).find("rays outside the time of the poses"),
+                      std::string::npos);
+        }
+        return map;
+    };
+    const auto moving = build(0.5, ScanMotion::alongTrajectory);
+    CSuperRayGridMap3D byHand(0.1);
+    byHand.insertionOptions.sweepDuration = 0.5;
+    Trajectory trajectory;
+    for (int i = 0; i < 4; ++i)
+        trajectory.add(test::at(i), CPose3D(2.0 * i, 0, 0, 0.3 * i, 0, 0));
+    for (int i = 0; i < 3; ++i)
+        ASSERT_TRUE(byHand.insertObservationAlong(
+            *makeLaserScan(i), [&](mrpt::Clock::time_point t) { return trajectory.at(t); }));
+    EXPECT_EQ(moving->digest(), byHand.digest());
+    EXPECT_NE(moving->digest(), build(0.5, ScanMotion::none)->digest());
+    build(1.5, ScanMotion::alongTrajectory);  // the last scan outlasts the poses
+
+    ScanSourceOptions still;
+    still.poses = PoseOrigin::fixed;
+    ScanSources sources;
+    sources.push_back(openScanSource(file, still));
+    CSuperRayGridMap3D map(0.1);
+    EXPECT_THROW(
+        buildMap(
+            sources, map, kNoLimit, [](const BuildProgress&) {}, ScanMotion::alongTrajectory),
+        InputError);
 }
 
 TEST(BuildMap, stopsAtTheLimit) {

@@ -11,8 +11,14 @@
 namespace superray {
 namespace {
 
-bool insert(mrpt::maps::CMetricMap& map, const Scan& scan, std::uint64_t number) {
+/// \param trajectory of the robot while it scanned; nullptr: it stood still
+bool insert(mrpt::maps::CMetricMap& map, const Scan& scan, const Trajectory* trajectory,
+            std::uint64_t number) {
     try {
+        if (trajectory)
+            return dynamic_cast<SuperRayMapInterface&>(map).insertObservationAlong(
+                *scan.observation,
+                [&](mrpt::Clock::time_point time) { return trajectory->at(time); });
         return map.insertObservation(*scan.observation, scan.T_map_robot);
     } catch (const std::exception& e) {
         throw InputError("scan " + std::to_string(number) + " (sensor '" +
@@ -32,7 +38,8 @@ void addCount(std::ostream& out, const char* name, std::uint64_t number,
 
 BuildReport buildMap(const ScanSources& sources, mrpt::maps::CMetricMap& map,
                      std::uint64_t maxScans,
-                     const std::function<void(const BuildProgress&)>& onScan) {
+                     const std::function<void(const BuildProgress&)>& onScan,
+                     ScanMotion motion) {
     const auto& info = dynamic_cast<const SuperRayMapInterface&>(map);
     BuildReport report;
     BuildProgress progress;
@@ -41,13 +48,19 @@ BuildReport buildMap(const ScanSources& sources, mrpt::maps::CMetricMap& map,
 
     const Stopwatch total;
     for (const auto& source : sources) {
+        const bool moving = motion == ScanMotion::alongTrajectory;
+        const Trajectory* trajectory = moving ? source->trajectory() : nullptr;
+        if (moving && !trajectory)
+            throw InputError(
+                "de-skewing needs robot poses by time: a .rawlog with CObservationRobotPose or "
+                "odometry, or with a poses file");
         while (report.scans < maxScans) {
             const Stopwatch reading;
             const auto scan = source->next();
             report.readSeconds += reading.seconds();
             if (!scan) break;
             ++report.scans;
-            if (insert(map, *scan, report.scans))
+            if (insert(map, *scan, trajectory, report.scans))
                 report.insertion += info.lastInsertion();
             else
                 ++report.unusable;
@@ -88,6 +101,7 @@ std::string describe(const BuildReport& r) {
     addCount(skipped, "points outside the addressable cells   ", i.skipped.outOfRange);
     addCount(skipped, "points nearer than the minimum range   ", i.skipped.tooNear);
     addCount(skipped, "points outside the height band         ", i.outOfHeightBand);
+    addCount(skipped, "rays outside the time of the poses     ", i.withoutPose);
     addCount(skipped, "measurements without return            ", i.noReturns);
     out << "left out" << (skipped.str().empty() ? "   nothing\n" : "\n" + skipped.str());
     for (const auto& warning : r.warnings) out << "warning    " << warning << "\n";

@@ -133,6 +133,11 @@ class RawlogSource final : public ScanSource {
     SkippedObservations skipped() const override { return skipped_; }
     std::string warning() const override { return index_.warning; }
 
+    const Trajectory* trajectory() const override {
+        if (!poses_.usesInput()) return poses_.fromFile();
+        return index_.posesFromActions() ? nullptr : &index_.trajectory();
+    }
+
     std::optional<Scan> next() override {
         while (ready_.empty() && reader_->objects() < index_.objects) take(reader_->next());
         if (ready_.empty() || delivered_ == total_) return std::nullopt;

@@ -32,6 +32,10 @@ class PoseLookup {
     explicit PoseLookup(const ScanSourceOptions& options);
 
     bool usesInput() const { return origin_ == PoseOrigin::input; }
+    /// Poses of the poses file; nullptr without.
+    const Trajectory* fromFile() const {
+        return origin_ == PoseOrigin::file ? &trajectory_ : nullptr;
+    }
 
     /// The robot pose for a scan.
     /// \param fromInput what the input itself says

@@ -35,14 +35,21 @@ struct BuildReport {
 /// Inputs in the order they are mapped.
 using ScanSources = std::vector<std::unique_ptr<ScanSource>>;
 
+/// Where the rays of a scan start.
+enum class ScanMotion : std::uint8_t {
+    none,            ///< all at the scan's pose
+    alongTrajectory  ///< each where the sensor was at its time: insertObservationAlong()
+};
+
 /// Inserts the scans of all inputs, one input after the other.
 /// \param maxScans stop after so many scans
 /// \param onScan called after every scan
-/// \throws InputError if an input breaks, a scan cannot be inserted, or none
-///         could be used
+/// \throws InputError if an input breaks, a scan cannot be inserted, none could be
+///         used, or one that is to be de-skewed has no poses by time
 BuildReport buildMap(const ScanSources& sources, mrpt::maps::CMetricMap& map,
                      std::uint64_t maxScans,
-                     const std::function<void(const BuildProgress&)>& onScan);
+                     const std::function<void(const BuildProgress&)>& onScan,
+                     ScanMotion motion = ScanMotion::none);
 
 /// The account in lines of text, without the map's own numbers.
 std::string describe(const BuildReport& report);

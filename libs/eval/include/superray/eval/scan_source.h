@@ -5,6 +5,7 @@
 #include <mrpt/core/Clock.h>
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/poses/CPose3D.h>
+#include <superray/eval/trajectory.h>
 
 #include <cstdint>
 #include <limits>
@@ -66,6 +67,10 @@ class ScanSource {
     virtual std::uint64_t total() const = 0;
 
     virtual SkippedObservations skipped() const = 0;
+
+    /// Robot poses by time, from which those of the scans are; nullptr if the input
+    /// has none (increments, a fixed robot, or scans without times).
+    virtual const Trajectory* trajectory() const { return nullptr; }
 
     /// A break in the input that Truncation::accept let pass; else empty.
     virtual std::string warning() const { return {}; }
