@@ -1,5 +1,6 @@
 // Likelihood and matching: the true pose is the best one.
 
+#include <mrpt/maps/COctoMap.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/tfest/TMatchingPair.h>
 #include <superray/maps/CSuperRayGridMap2D.h>
@@ -136,7 +137,7 @@ TEST(Matching, RatioOfPointsNearOccupiedCells) {
     // Half of the wall shifted past its end.
     EXPECT_NEAR(map.compute3DMatchingRatio(&points, CPose3D(0, 1, 0, 0, 0, 0), params), 0.55f,
                 0.051f);
-    EXPECT_EQ(map.compute3DMatchingRatio(&map, CPose3D(), params), 0.0f) << "not points";
+    EXPECT_EQ(map.compute3DMatchingRatio(&map, CPose3D(), params), 1.0f) << "its own cells";
     EXPECT_EQ(map.compute3DMatchingRatio(nullptr, CPose3D(), params), 0.0f);
 }
 
@@ -168,7 +169,13 @@ void expectPairs() {
     map.determineMatching3D(&points, CPose3D(-0.6, 0, 0, 0, 0, 0), pairs, params, extra);
     EXPECT_TRUE(pairs.empty());
     EXPECT_EQ(extra.correspondencesRatio, 0.0f);
-    EXPECT_THROW(map.determineMatching3D(&map, CPose3D(), pairs, params, extra),
+    // Another map of ours has points too: its occupied cells.
+    params = {};
+    params.maxDistForCorrespondence = 0.3f;
+    map.determineMatching3D(&map, CPose3D(), pairs, params, extra);
+    EXPECT_EQ(pairs.size(), map.cellTotals().occupied);
+    const mrpt::maps::COctoMap pointless;
+    EXPECT_THROW(map.determineMatching3D(&pointless, CPose3D(), pairs, params, extra),
                  std::invalid_argument);
 }
 

@@ -14,6 +14,7 @@
 #include "likelihood.h"
 #include "map_export.h"
 #include "map_matching.h"
+#include "obstacle_search.h"
 #include "stopwatch.h"
 #include "voxel_view.h"
 
@@ -24,12 +25,13 @@ CSuperRayMapBase<Dim>::CSuperRayMapBase(StorageType type, double resolution)
     : type_(type),
       storage_(makeEmptyStorage(resolution)),
       distances_(std::make_unique<DistanceField<Dim>>()),
+      obstaclePoints_(std::make_unique<ObstaclePoints<Dim>>()),
       view_(std::make_unique<VoxelView<Dim>>()) {}
 
 template <int Dim>
 CSuperRayMapBase<Dim>::~CSuperRayMapBase() = default;
 
-// The integrator, the view and the distances are not copied: they only hold what
+// The integrator, the view, the distances and the points are not copied: they only hold what
 // can be made again. Nor is the change log: its stamps are this map's own.
 template <int Dim>
 CSuperRayMapBase<Dim>::CSuperRayMapBase(const CSuperRayMapBase& other)
@@ -43,6 +45,7 @@ CSuperRayMapBase<Dim>::CSuperRayMapBase(const CSuperRayMapBase& other)
       last_(other.last_),
       totals_(other.totals_),
       distances_(std::make_unique<DistanceField<Dim>>()),
+      obstaclePoints_(std::make_unique<ObstaclePoints<Dim>>()),
       view_(std::make_unique<VoxelView<Dim>>()) {}
 
 template <int Dim>

@@ -23,6 +23,8 @@ template <int Dim>
 class VoxelView;
 template <int Dim>
 class DistanceField;
+template <int Dim>
+class ObstaclePoints;
 
 /// An occupancy map in MRPT, updated by super rays and culling regions.
 ///
@@ -63,6 +65,15 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     std::string digest() const override { return contentDigest(*storage_); }
     std::uint64_t changeStamp() const override { return changes_.stamp(); }
     SensorModel sensorModel() const override { return insertionOptions.sensorModel(); }
+    std::optional<NearestObstacle> nearestObstacle(const Eigen::Vector3d& point,
+                                                   double maxDistance) const override;
+    RayCastResult castRay(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                          double maxRange, UnknownCells unknown) const override;
+    std::optional<float> logOddsAtLevel(const Eigen::Vector3d& point, unsigned level,
+                                        LevelRule rule) const override;
+    mrpt::maps::CMetricMap::Ptr subMap(const MetricBounds& box) const override;
+    void merge(const mrpt::maps::CMetricMap& other,
+               const mrpt::poses::CPose3D& T_map_other) override;
     using SuperRayMapInterface::insertObservationAlong;
     bool insertObservationAlong(const mrpt::obs::CObservation& observation,
                                 const PoseAtTime& T_map_robot) override;
@@ -102,6 +113,12 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
                              mrpt::tfest::TMatchingPairList& correspondences,
                              const mrpt::maps::TMatchingParams& params,
                              mrpt::maps::TMatchingExtraResults& extraResults) const override;
+    /// [m^2] from (x0, y0), seen from above, to the nearest centre of an occupied cell;
+    /// infinite if there is none.
+    float squareDistanceToClosestCorrespondence(float x0, float y0) const override;
+    /// Centres of the occupied cells (2D: z = 0); valid until the map changes.
+    using mrpt::maps::CMetricMap::getAsSimplePointsMap;
+    const mrpt::maps::CSimplePointsMap* getAsSimplePointsMap() const override;
     mrpt::math::TBoundingBoxf boundingBox() const SUPERRAY_OVERRIDE_SINCE_2_11_3;
 
  protected:
@@ -152,7 +169,9 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     ScanIntegrator<Dim> integrator_;
     TInsertionReport last_, totals_;
     ChangeLog<Dim> changes_;
-    std::unique_ptr<DistanceField<Dim>> distances_;  ///< never null; has its own lock
+    // Never null; they have their own locks.
+    std::unique_ptr<DistanceField<Dim>> distances_;
+    std::unique_ptr<ObstaclePoints<Dim>> obstaclePoints_;
 
     std::unique_ptr<VoxelView<Dim>> view_;
 };

@@ -3,8 +3,10 @@
 /// The maps for code that does not know their dimension: dynamic_cast a
 /// CMetricMap to this.
 
+#include <mrpt/maps/CMetricMap.h>
 #include <superray/core/sensor_model.h>
 #include <superray/maps/insertion_report.h>
+#include <superray/maps/map_queries.h>
 #include <superray/maps/observation_rays.h>
 #include <superray/maps/options.h>
 
@@ -51,6 +53,37 @@ class SuperRayMapInterface {
     /// A number that grows with every change of the contents; see
     /// CSuperRayMapBase::forEachChangedBlock().
     virtual std::uint64_t changeStamp() const = 0;
+
+    /// The occupied cell nearest to a point (by the centres of cells), if its box is
+    /// within maxDistance [m], which may be infinite. Up to about 30 cells the answer
+    /// comes from a distance field and takes constant time once that is up to date.
+    /// Safe to call concurrently. \throws std::invalid_argument if maxDistance < 0
+    virtual std::optional<NearestObstacle> nearestObstacle(const Eigen::Vector3d& point,
+                                                           double maxDistance) const = 0;
+    /// What a ray meets, walking over the cells that an inserted ray would touch. 2D
+    /// maps take the first two coordinates.
+    /// \param maxRange [m], > 0; may be infinite
+    /// \throws std::invalid_argument for an origin outside the addressable range, a
+    ///         direction of length 0, a range that is not > 0
+    virtual RayCastResult castRay(const Eigen::Vector3d& origin,
+                                  const Eigen::Vector3d& direction, double maxRange,
+                                  UnknownCells unknown) const = 0;
+    /// Log-odds of the aligned cube of 2^level cells per axis around a point (level 0:
+    /// its cell; depth 16 - level in OctoMap's terms); nothing if all is unknown.
+    /// Needs no tree. \throws std::invalid_argument if level > 16
+    virtual std::optional<float> logOddsAtLevel(const Eigen::Vector3d& point, unsigned level,
+                                                LevelRule rule) const = 0;
+    /// A map of the same class and options with the cells whose centres are in the
+    /// box. \throws std::invalid_argument unless box.lowest <= box.highest
+    virtual mrpt::maps::CMetricMap::Ptr subMap(const MetricBounds& box) const = 0;
+    /// Adds the log-odds of another map, clamped by this map's sensor model; unknown
+    /// cells add nothing. Each cell takes the value of the other's cell that its centre
+    /// lies in, so a shift by whole cells is exact. The maps may differ in resolution
+    /// and storage. \throws std::invalid_argument, and changes nothing, if the other is
+    ///         not of this library and dimension, cells would not be addressable, or
+    ///         (2D) the pose is not planar
+    virtual void merge(const mrpt::maps::CMetricMap& other,
+                       const mrpt::poses::CPose3D& T_map_other) = 0;
 
     /// Inserts a scan that was taken while the robot moved: each ray from where the
     /// sensor was when it was measured (Velodyne packets: the time of each firing;
