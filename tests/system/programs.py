@@ -13,6 +13,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -36,20 +37,40 @@ class ProgramTest(unittest.TestCase):
         self.source = path_from_environment("SUPERRAY_SOURCE_DIR")
         self.build = path_from_environment("SUPERRAY_BUILD_DIR")
 
-    def run_program(self, *command, preload=False):
-        """Runs a program that must succeed, without a keyboard: (output, errors)."""
-        program = shutil.which(str(command[0]))
-        self.assertIsNotNone(program, f"{command[0]} is not installed")
+    def environment(self, preload=False):
         environment = dict(os.environ)
         environment.pop("LD_PRELOAD", None)
+        environment.pop("SUPERRAY_QUIET", None)
         if preload:
             environment["LD_PRELOAD"] = str(self.plugin)
-        done = subprocess.run([program] + [str(c) for c in command[1:]],
-                              cwd=self.folder, env=environment, stdin=subprocess.DEVNULL,
-                              capture_output=True, text=True, errors="replace")
-        self.assertEqual(done.returncode, 0,
-                         f"{command} failed:\n{done.stdout[-3000:]}{done.stderr[-3000:]}")
-        return done.stdout, done.stderr
+        return environment
+
+    def program(self, name):
+        """Path of a program; without it the test is skipped, and says so."""
+        path = shutil.which(str(name))
+        if path is None:
+            print(f"SKIPPED, NOT TESTED: {name} is not installed", file=sys.stderr)
+            self.skipTest(f"{name} is not installed")
+        return path
+
+    def run_any(self, *command, preload=False, folder=None):
+        """Runs a program without a keyboard: (exit status, output, errors)."""
+        done = subprocess.run([self.program(command[0])] + [str(c) for c in command[1:]],
+                              cwd=folder or self.folder, env=self.environment(preload),
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                              errors="replace")
+        return done.returncode, done.stdout, done.stderr
+
+    def run_program(self, *command, preload=False, folder=None):
+        """Runs a program that must succeed: (output, errors)."""
+        status, output, errors = self.run_any(*command, preload=preload, folder=folder)
+        self.assertEqual(status, 0,
+                         f"{command} failed:\n{output[-3000:]}{errors[-3000:]}")
+        return output, errors
+
+    def config(self, name):
+        """One of the configuration files that come with the library."""
+        return self.source / "share/config_files" / name
 
     def build_map(self, *arguments):
         """Path of a map that superray-map built."""

@@ -1,0 +1,46 @@
+"""A drive with exactly known poses, made by stock MRPT programs.
+
+icp-slam drives the recorded loop with our points map as its only map; that map,
+taken for the world, is scanned again by simul-gridmap from icp-slam's path.
+Odometry stays the recorded one, which ends more than 9 m off.
+"""
+
+import math
+
+LOOP_RAWLOG = "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog"
+
+
+def read_path(path):
+    """Poses (x, y, yaw) of the lines 'step x y ...' that MRPT's programs log."""
+    rows = (line.split() for line in path.read_text().splitlines())
+    return [tuple(float(v) for v in row[1:4]) for row in rows if row[0].isdigit()]
+
+
+def distance(a, b):
+    return math.hypot(a[0] - b[0], a[1] - b[1])
+
+
+class SimulatedDrive:
+    """`world`: the map (.srmap); `rawlog`; `path`: true poses, one per scan."""
+
+    def __init__(self, test):
+        folder = test.folder
+        loop = test.dataset(LOOP_RAWLOG)
+        test.run_program("icp-slam", test.config("icp-slam-superray-only.ini"), loop,
+                         preload=True)
+        log = folder / "LOG_ICP-SLAM_SUPERRAY_ONLY"
+        path_file = log / "log_estimated_path.txt"
+        self.path = read_path(path_file)
+        self.world, = log.glob("*superray__CSuperRayPointsMap2D_00.srmap")
+        picture, = log.glob("*superray__CSuperRayPointsMap2D_00.png")
+
+        info = test.info(self.world)
+        x, y = (round(-low / info["resolution"]) for low in info["bounds"]["min"])
+        test.run_program("image2gridmap", "-i", picture, "-o", folder / "world.gridmap",
+                         "-r", info["resolution"], "--px", x, "--py", y)
+        # simul-gridmap wants action/observation pairs from the first entry on.
+        test.run_program("rawlog-edit", "--cut", "--from-index", "1", "-i", loop,
+                         "-o", folder / "pairs.rawlog")
+        self.rawlog = folder / "simulated.rawlog"
+        test.run_program("simul-gridmap", "-n", "-g", folder / "world.gridmap",
+                         "-p", path_file, "-i", folder / "pairs.rawlog", "-o", self.rawlog)
