@@ -1,6 +1,11 @@
 // Inserting observations: every method and storage gives the same map.
 
+#include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/img/CImage.h>
+#include <mrpt/io/CFileOutputStream.h>
+#include <mrpt/io/lazy_load_path.h>
 #include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/serialization/CArchive.h>
 #include <superray/maps/CSuperRayGridMap2D.h>
 #include <superray/maps/CSuperRayGridMap3D.h>
 #include <superray/maps/CSuperRayOctoMap.h>
@@ -158,6 +163,38 @@ TEST(Insertion, BadPosesAndMissingFilesAreErrorsThatLeaveTheMap) {
                     "/no/such/cloud.bin");
     EXPECT_EQ(map.digest(), before);
     EXPECT_EQ(map.totals().scans, 1u);
+}
+
+TEST(Insertion, ExternalObservationsAreFoundByAnOptionAndUnloaded) {
+    const test::TempFolder folder;
+    const auto cloud = test::randomCloud(200, 3);
+    const auto file = folder.file("cloud.bin");
+    {
+        mrpt::io::CFileOutputStream stream(file);
+        mrpt::serialization::archiveFrom(stream) << *cloud->pointcloud;
+    }
+    CSuperRayGridMap3D expected(0.1), map(0.1);
+    ASSERT_TRUE(expected.insertObservation(*cloud));
+    auto external = test::randomCloud(1, 1);
+    external->sensorPose = cloud->sensorPose;
+    external->setAsExternalStorage(
+        "cloud.bin",
+        mrpt::obs::CObservationPointCloud::ExternalStorageFormat::MRPT_Serialization);
+    external->pointcloud.reset();
+    EXPECT_ANY_THROW(map.insertObservation(*external)) << "not in the current folder";
+
+    const auto before = mrpt::io::getLazyLoadPathBase();
+    const auto imagesBefore = mrpt::img::CImage::getImagesPathBase();
+    mrpt::config::CConfigFileMemory config;
+    config.write("m_creationOpts", "lazy_load_path", file.substr(0, file.rfind('/')));
+    map.setOptionsFromConfig(config, "m");
+    ASSERT_TRUE(map.insertObservation(*external));
+    EXPECT_EQ(map.digest(), expected.digest());
+    EXPECT_FALSE(external->pointcloud) << "unloaded again";
+    EXPECT_EQ(map.optionsAsIniText(), expected.optionsAsIniText())
+        << "of the process, not kept";
+    mrpt::io::setLazyLoadPathBase(before);
+    mrpt::img::CImage::setImagesPathBase(imagesBefore);
 }
 
 TEST(Insertion, TheReportCountsRaysAndWhatWasLeftOut) {

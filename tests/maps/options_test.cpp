@@ -21,14 +21,15 @@ TEST(Options, TextRoundTripKeepsEveryBit) {
     EXPECT_EQ(read.creation.resolution, 1.0 / 7);
     EXPECT_EQ(read.insertion.heightBandMin, -1.0 / 3);
 
-    // Every line but the section headers and load_from differs from the default.
+    // Every line but the section headers, load_from and lazy_load_path differs from the
+    // default.
     const std::string defaults = TMapOptions().toText();
     ASSERT_EQ(linesOf(text), linesOf(defaults));
-    ASSERT_EQ(linesOf(text), 4u + 5u + 18u + 5u + 6u);
+    ASSERT_EQ(linesOf(text), 4u + 6u + 18u + 5u + 6u);
     std::istringstream a(text), b(defaults);
     std::size_t same = 0;
     for (std::string x, y; std::getline(a, x) && std::getline(b, y);) same += x == y ? 1 : 0;
-    EXPECT_EQ(same, 5u);
+    EXPECT_EQ(same, 6u);
 }
 
 TEST(Options, DefaultsAreThePapers) {
@@ -100,6 +101,7 @@ TEST(Options, BadValuesNameSectionKeyValueAndRule) {
         {"creationOpts", "resolution", "-0.1", "resolution > 0"},
         {"creationOpts", "resolution", "nan", "resolution > 0"},
         {"creationOpts", "resolution", "0.1m", "must be a number"},
+        {"creationOpts", "lazy_load_path", "/no/such/folder", "must be a folder"},
         {"creationOpts", "enableSaveAs3DObject", "maybe", "must be true or false"},
         {"insertOpts", "probHit", "0.5", "0.5 < probHit < 1"},
         {"insertOpts", "probMiss", "0.5", "0 < probMiss < 0.5"},
@@ -123,7 +125,7 @@ TEST(Options, BadValuesNameSectionKeyValueAndRule) {
         {"likelihoodOpts", "decimation", "0", "decimation >= 1"},
         {"renderOpts", "colour", "red", "height or occupancy"},
     };
-    ASSERT_EQ(lines.size(), 26u);
+    ASSERT_EQ(lines.size(), 27u);
     for (const auto& line : lines) {
         const CConfigFileMemory file("[m_" + std::string(line.section) + "]\n" + line.key +
                                      " = " + line.value + "\n");

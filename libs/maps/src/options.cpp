@@ -1,6 +1,7 @@
 #include <superray/maps/options.h>
 
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 #include <stdexcept>
 
@@ -16,6 +17,7 @@ template <class O, class Visit>
 void visitCreation(O& o, Visit visit) {
     visit("resolution", o.resolution, "[m] cell edge");
     visit("load_from", o.load_from, "native map file to start from");
+    visit("lazy_load_path", o.lazy_load_path, "folder of externally stored observations");
     visit("enableSaveAs3DObject", o.enableSaveAs3DObject, "show this map");
     visit("enableObservationLikelihood", o.enableObservationLikelihood, "use its likelihood");
     visit("enableObservationInsertion", o.enableObservationInsertion, "insert into it");
@@ -129,6 +131,9 @@ void TCreationOptions::saveToConfigFile(mrpt::config::CConfigFileBase& target,
 void TCreationOptions::validate() const {
     require(std::isfinite(resolution) && resolution > 0, "resolution", resolution,
             "resolution > 0");
+    if (!lazy_load_path.empty() && !std::filesystem::is_directory(lazy_load_path))
+        throw std::invalid_argument("lazy_load_path = " + lazy_load_path +
+                                    ": must be a folder that exists");
 }
 
 void TInsertionOptions::loadFromConfigFile(const mrpt::config::CConfigFileBase& source,

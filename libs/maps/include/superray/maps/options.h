@@ -23,6 +23,10 @@ struct TCreationOptions : public mrpt::config::CLoadableOptions {
     /// Native map file (.srmap) to start from; empty: an empty map. Its
     /// resolution replaces `resolution`; its options are not used.
     std::string load_from;
+    /// Folder of externally stored (lazy-load) observations, usually
+    /// `<rawlog name>_Images`; empty: as the program says. MRPT has one such folder per
+    /// process: it is set when the options are, and is not kept with the map.
+    std::string lazy_load_path;
     bool enableSaveAs3DObject = true;         ///< MRPT: visualisation on
     bool enableObservationLikelihood = true;  ///< MRPT: likelihood on
     bool enableObservationInsertion = true;   ///< MRPT: insertion on
