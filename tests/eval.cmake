@@ -13,5 +13,6 @@ add_dependencies(eval_cli_test superray-map)
 superray_add_test(eval_bench_cli_test SOURCES eval/bench_cli_test.cpp LIBS superray::eval
                                                                            nlohmann_json::nlohmann_json)
 target_compile_definitions(eval_bench_cli_test
-                           PRIVATE SUPERRAY_BENCH_APP="$<TARGET_FILE:superray-bench>")
-add_dependencies(eval_bench_cli_test superray-bench)
+                           PRIVATE SUPERRAY_BENCH_APP="$<TARGET_FILE:superray-bench>"
+                                   SUPERRAY_KERNELS_APP="$<TARGET_FILE:superray-bench-kernels>")
+add_dependencies(eval_bench_cli_test superray-bench superray-bench-kernels)

@@ -4,10 +4,6 @@
 
 #include <iostream>
 
-/// Seen by the map library, which then does not say that it is loaded.
-extern "C" const bool superray_linked_knowingly;
-extern "C" const bool superray_linked_knowingly = true;
-
 namespace superray {
 namespace {
 

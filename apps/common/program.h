@@ -1,7 +1,7 @@
 #pragma once
 /// \file program.h
 /// What our programs share: subcommands, --version, and errors in one line.
-/// program.cpp is compiled into each of them.
+/// program.cpp and linked_knowingly.cpp are compiled into each of them.
 
 #include <CLI/CLI.hpp>
 #include <functional>

@@ -16,6 +16,6 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/superray-config.cmake
 install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/share/config_files/
         DESTINATION ${CMAKE_INSTALL_DATADIR}/superray/config_files)
 
-# Installed anywhere, the program finds the library beside it.
+# Installed anywhere, the programs find the library beside them.
 file(RELATIVE_PATH superray_bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
-set_target_properties(superray-map PROPERTIES INSTALL_RPATH "\$ORIGIN/${superray_bin_to_lib}")
+set_target_properties(superray-map superray-bench PROPERTIES INSTALL_RPATH "\$ORIGIN/${superray_bin_to_lib}")

@@ -97,6 +97,20 @@ TEST(BenchCli, writesThePapersTables) {
                 "superRayThreshold");
 }
 
+TEST(BenchKernels, allRunAndCount) {
+    TempFolder folder;
+    const auto r = runProgram(folder, SUPERRAY_KERNELS_APP,
+                              "--benchmark_filter=outdoor:0/cm:40 --benchmark_min_time=0.001 "
+                              "--benchmark_format=json");
+    ASSERT_EQ(r.code, 0) << r.error;
+    const auto kernels = nlohmann::json::parse(r.out)["benchmarks"];
+    EXPECT_EQ(kernels.size(), 14u);
+    for (const auto& kernel : kernels) {
+        const std::string rate = kernel.contains("cells") ? "cells" : "rays";
+        EXPECT_GT(kernel[rate].get<double>(), 1e4) << kernel["name"];
+    }
+}
+
 TEST(BenchCli, helpTeachesAndErrorsAreOneLine) {
     TempFolder folder;
     const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";

@@ -1,0 +1,3 @@
+/// Seen by the map library, which then does not say that it is loaded.
+extern "C" const bool superray_linked_knowingly;
+extern "C" const bool superray_linked_knowingly = true;
