@@ -7,7 +7,7 @@ if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   message(STATUS "Sanitizers are on: stock MRPT programs are NOT TESTED with the plugin")
 else()
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
-  foreach(name icp_slam particle_filters observations2map rawlog_edit install)
+  foreach(name icp_slam particle_filters observations2map rawlog_edit install benchmark_tables)
     add_test(NAME system_${name}
              COMMAND ${Python3_EXECUTABLE} -B
                      ${CMAKE_CURRENT_SOURCE_DIR}/system/${name}_test.py -v)
@@ -15,6 +15,6 @@ else()
       system_${name}
       PROPERTIES TIMEOUT 300
                  ENVIRONMENT
-                 "SUPERRAY_MAP=$<TARGET_FILE:superray-map>;SUPERRAY_PLUGIN=$<TARGET_FILE:superray-maps>;SUPERRAY_SOURCE_DIR=${PROJECT_SOURCE_DIR};SUPERRAY_BUILD_DIR=${PROJECT_BINARY_DIR}")
+                 "SUPERRAY_MAP=$<TARGET_FILE:superray-map>;SUPERRAY_BENCH=$<TARGET_FILE:superray-bench>;SUPERRAY_PLUGIN=$<TARGET_FILE:superray-maps>;SUPERRAY_SOURCE_DIR=${PROJECT_SOURCE_DIR};SUPERRAY_BUILD_DIR=${PROJECT_BINARY_DIR}")
   endforeach()
 endif()

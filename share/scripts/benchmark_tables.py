@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+"""Makes Markdown tables of what superray-bench wrote.
+
+  benchmark_tables.py RESULT.json... > tables.md
+  benchmark_tables.py RESULT.json... --into doc/benchmarks.md
+
+Takes the JSON files of `compare` and `realtime`, in any number. With --into,
+replaces what is between the lines `<!-- figures: begin -->` and
+`<!-- figures: end -->` of a file.
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+
+BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
+METHODS = ("perRay", "superRays", "culling", "full")
+
+
+def number(value, digits=3):
+    """Significant digits, never 1e+03; a dash for nothing."""
+    if value is None:
+        return "-"
+    if value == 0:
+        return "0"
+    text = f"{value:.{digits}g}"
+    return f"{float(text):,.0f}" if abs(value) >= 10 ** (digits - 1) else text
+
+
+def megabytes(value):
+    return number(None if value is None else value / 1e6)
+
+
+def table(heading, rows):
+    lines = ["| " + " | ".join(heading) + " |",
+             "|---" + "|---:" * (len(heading) - 1) + "|"]
+    lines += ["| " + " | ".join(str(field) for field in row) + " |" for row in rows]
+    return "\n".join(lines)
+
+
+def compared_ms(run):
+    """What ratios go by: processor time with one thread, elapsed time with several."""
+    return run["cpu_ms_per_scan"] if run["threads"] == 1 else run["ms_per_scan"]
+
+
+def side_stages(run):
+    """Largest share of a stage other than traversal and apply: (percent, name)."""
+    stages = run["stage_seconds"]
+    if not stages:
+        return None, ""
+    total = sum(stages.values())
+    shares = {name: 100 * s / total for name, s in stages.items()
+              if name not in ("traversal", "apply")}
+    name = max(shares, key=shares.get)
+    return shares[name], name
+
+
+class Case:
+    """All runs of one input at one resolution, of one file."""
+
+    def __init__(self, runs):
+        self.runs = {(r["engine"], r["threads"]): r for r in runs}
+        first = runs[0]
+        self.name = f"{first['data']} {first['resolution']:g} m"
+        self.scans = first["scans"]
+
+    def get(self, engine, threads=1):
+        return self.runs.get((engine, threads))
+
+    def ms(self, engine, threads=1):
+        run = self.get(engine, threads)
+        return compared_ms(run) if run else None
+
+    def ratio(self, engine, threads=1):
+        run = self.get(engine, threads)
+        return run["ratio_to_octomap"] if run else None
+
+    def best_method(self, engine):
+        """Time of the automatic choice over that of the best single method."""
+        times = [self.ms(f"{engine}-{m}") for m in METHODS if self.get(f"{engine}-{m}")]
+        mine = self.ms(engine)
+        return mine / min(times) if mine and times else None
+
+
+def cases_of(documents):
+    cases = []
+    for document in documents:
+        groups = {}
+        for run in document["runs"]:
+            groups.setdefault((run["data"], run["resolution"]), []).append(run)
+        cases += [Case(runs) for runs in groups.values()]
+    return cases
+
+
+def compare_tables(documents):
+    cases = cases_of(documents)
+    one = [c for c in cases if c.get("octomap") and any(c.get(f"{m}-perRay") for m in
+                                                        ("grid", "octree"))]
+    two = [c for c in cases if c.get("grid", 2) or c.get("octree", 2)]
+    once = [c for c in cases if (c.get("grid") or {}).get("policy") == "oncePerScan"]
+    out = []
+    if one:
+        peers = ["octomap", "octomap-rays", "mrpt-octomap", "mrpt-grid3d", "grid", "octree"]
+        out += ["### Time per scan [ms], one thread",
+                table(["data", "scans"] + peers,
+                      [[c.name, c.scans] + [number(c.ms(e)) for e in peers] for c in one]),
+                "### Times faster than octomap, one thread",
+                table(["data"] + peers[1:],
+                      [[c.name] + [number(c.ratio(e)) for e in peers[1:]] for c in one])]
+        for engine in ("grid", "octree"):
+            names = [engine] + [f"{engine}-{m}" for m in METHODS]
+            out += [f"### Methods on the {engine}: time per scan [ms], one thread",
+                    table(["data"] + ["auto"] + list(METHODS) + ["auto / best"],
+                          [[c.name] + [number(c.ms(n)) for n in names] +
+                           [number(c.best_method(engine))] for c in one])]
+        rows = []
+        for c in one:
+            for engine in ("grid", "octree"):
+                run = c.get(engine)
+                if not run or not run["stage_seconds"]:
+                    continue
+                total = sum(run["stage_seconds"].values())
+                share, name = side_stages(run)
+                rows.append([c.name, engine] +
+                            [f"{100 * s / total:.0f}" for s in run["stage_seconds"].values()] +
+                            [f"{share:.0f} ({name.replace('_', ' ')})"])
+        stages = ["points to rays", "super rays", "culling region", "traversal", "apply",
+                  "other", "largest but traversal, apply"]
+        out += ["### Time by stage [%]", table(["data", "map"] + stages, rows)]
+        memory = []
+        for c in one:
+            base = c.get("octomap")
+            row = [c.name]
+            for engine in peers:
+                run = c.get(engine)
+                row.append(megabytes(run["map_bytes"]) if run else "-")
+            for engine in ("grid", "octree"):
+                run = c.get(engine)
+                row.append(number(run["map_bytes"] / base["map_bytes"]) if run else "-")
+            memory.append(row)
+        out += ["### Map memory [MB], and as a share of octomap's",
+                table(["data"] + peers + ["grid / octomap", "octree / octomap"], memory)]
+        if any(r["peak_bytes"] for c in one for r in c.runs.values()):
+            out += ["### Largest growth of the process [MB]",
+                    table(["data"] + peers,
+                          [[c.name] + [megabytes((c.get(e) or {}).get("peak_bytes"))
+                                       for e in peers] for c in one])]
+    if two:
+        rows = []
+        for c in two:
+            row = [c.name]
+            for engine in ("grid", "octree"):
+                single, double = c.get(engine), c.get(engine, 2)
+                if not single or not double:
+                    row += ["-"] * 4
+                    continue
+                row += [number(single["ms_per_scan"]), number(double["ms_per_scan"]),
+                        number(single["ms_per_scan"] / double["ms_per_scan"]),
+                        "yes" if single["digest"] == double["digest"] else "NO"]
+            rows.append(row)
+        columns = ["1 thread", "2 threads", "times", "same map"]
+        out += ["### Two threads: elapsed time per scan [ms]",
+                table(["data"] + [f"{e} {c}" for e in ("grid", "octree") for c in columns],
+                      rows)]
+    if once:
+        rows = []
+        for c in once:
+            octomap, grid = c.get("octomap"), c.get("grid")
+            same = octomap and octomap["digest"] == grid["digest"]
+            rows.append([c.name, number(c.ratio("grid")), number(c.ratio("octree")),
+                         "yes" if same else "no"])
+        out += ["### Policy oncePerScan: times faster than octomap",
+                table(["data", "grid", "octree", "map equals octomap's, bit for bit"], rows)]
+    return out
+
+
+def realtime_tables(documents):
+    rows = []
+    for document in documents:
+        for r in document["runs"]:
+            rows.append([pathlib.Path(r["data"]).stem, f"{r['rate']:g}", f"{r['resolution']:g}",
+                         "all" if r["all_points"] else "80 %", r["engine"], r["threads"],
+                         r["scans_used"], r["scans_lost"], number(r["mean_ms"]),
+                         number(r["max_ms"]), f"{100 * r['accuracy']:.1f}"])
+    if not rows:
+        return []
+    return ["### At the sensor's rate",
+            table(["data", "Hz", "m", "points", "engine", "threads", "used", "lost", "mean ms",
+                   "max ms", "accuracy %"], rows)]
+
+
+def replace_section(path, text):
+    lines = path.read_text().splitlines()
+    if lines.count(BEGIN) != 1 or lines.count(END) != 1:
+        sys.exit(f"error: {path} must have one line '{BEGIN}' and one '{END}'")
+    begin, end = lines.index(BEGIN), lines.index(END)
+    path.write_text("\n".join(lines[:begin + 1] + ["", text, ""] + lines[end:]) + "\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", nargs="+", type=pathlib.Path, metavar="RESULT.json")
+    parser.add_argument("--into", type=pathlib.Path, metavar="FILE.md")
+    arguments = parser.parse_args()
+    documents = {"compare": [], "realtime": []}
+    for path in arguments.results:
+        try:
+            document = json.loads(path.read_text())
+            kind = document["program"].split()[-1]
+            documents[kind].append(document)
+        except (OSError, ValueError, KeyError, AttributeError, TypeError) as error:
+            sys.exit(f"error: {path} is not a result of superray-bench: {error!r}")
+    text = "\n\n".join(compare_tables(documents["compare"]) +
+                       realtime_tables(documents["realtime"]))
+    if arguments.into:
+        replace_section(arguments.into, text)
+    else:
+        print(text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,88 @@
+#!/usr/bin/env bash
+# Runs the protocol of doc/benchmarks.md: benchmarks.sh [OPTIONS]
+#   --out DIR        where the results go; default ./benchmarks-out
+#   --data DIR       recordings; rgbd_room.rawlog, ouster_hall.rawlog and
+#                    kitti_hdl64.rawlog are used where they are there
+#   --program FILE   superray-bench; default: that of build/release
+#   --quick          few scans and coarse cells only: does everything work?
+# Leaves JSON files and tables.md. Half an hour on a quiet machine; nothing else
+# should run on it.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+program=$root/build/release/apps/superray-bench/superray-bench
+out=benchmarks-out
+data=
+quick=0
+while [[ $# -gt 0 ]]; do
+    case $1 in
+        --out | --data | --program)
+            [[ $# -gt 1 ]] || { echo "error: $1 needs a value" >&2; exit 1; }
+            declare "${1#--}=$2"
+            shift 2
+            ;;
+        --quick) quick=1; shift ;;
+        *) sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
+    esac
+done
+[[ -x $program ]] || { echo "error: no program $program; build superray-bench" >&2; exit 1; }
+mkdir -p "$out"
+
+peers=octomap,octomap-rays,mrpt-octomap,mrpt-grid3d
+grid=grid,grid-perRay,grid-superRays,grid-culling,grid-full
+octree=octree,octree-perRay,octree-superRays,octree-culling,octree-full
+
+# compare NAME INPUT RESOLUTIONS SCANS: everything with one thread, then ours
+# with two, then the policy that equals octomap's.
+compare() {
+    local name=$1 input=$2 resolutions=$3 scans=$4
+    echo "=== $name, $resolutions m" >&2
+    local common=(compare "$input" --resolutions "$resolutions" --scans "$scans")
+    "$program" "${common[@]}" --engines "$peers,$grid,$octree" --peak-memory \
+        --json "$out/$name.json" >"$out/$name.txt"
+    "$program" "${common[@]}" --engines octomap,grid,octree --threads 1,2 \
+        --json "$out/$name-threads.json" >"$out/$name-threads.txt"
+    "$program" "${common[@]}" --engines octomap,grid,octree --policy oncePerScan \
+        --json "$out/$name-once.json" >"$out/$name-once.txt"
+}
+
+# realtime NAME INPUT RATE RESOLUTION THREADS: as in the paper, and with whole scans.
+realtime() {
+    local name=$1 input=$2 rate=$3 resolution=$4 threads=$5
+    echo "=== realtime $name, $rate Hz, $resolution m" >&2
+    local common=(realtime "$input" --rate "$rate" --resolution "$resolution"
+        --engines octomap,mrpt-octomap,mrpt-grid3d,grid,octree --threads "$threads")
+    ((quick == 0)) || common+=(--scans 3)
+    "$program" "${common[@]}" --json "$out/realtime-$name.json" >"$out/realtime-$name.txt"
+    "$program" "${common[@]}" --keep-all-points --json "$out/realtime-$name-all.json" \
+        >"$out/realtime-$name-all.txt"
+}
+
+# Few scans where octomap takes seconds for each.
+if ((quick)); then
+    compare indoor indoor 0.4 3
+    compare outdoor outdoor 1.0 1
+else
+    compare indoor indoor 0.1,0.2,0.4,0.8,1.0 66
+    compare outdoor outdoor 0.2,0.4,0.8,1.0 20
+    compare outdoor-fine outdoor 0.1 8
+fi
+for recording in "rgbd_room 0.05 0.02 20 30 0.05 2" "ouster_hall 0.2 0.1 10 10 0.2 1" \
+    "kitti_hdl64 0.2 0.1 8 10 0.2 1" "kitti_hdl64 - - - 10 0.1 2"; do
+    read -r name coarse fine scans rate resolution threads <<<"$recording"
+    file=$data/$name.rawlog
+    if [[ -z $data || ! -f $file ]]; then
+        echo "NOT MEASURED: $name (no $name.rawlog in --data)" >&2
+        continue
+    fi
+    if [[ $coarse != - ]]; then
+        if ((quick)); then
+            compare "$name" "$file" "$coarse" 1
+        else
+            compare "$name" "$file" "$coarse,$fine" "$scans"
+        fi
+    fi
+    realtime "$name-$resolution" "$file" "$rate" "$resolution" "$threads"
+done
+
+python3 "$root/share/scripts/benchmark_tables.py" "$out"/*.json >"$out/tables.md"
+echo "Results in $out, tables in $out/tables.md" >&2
