@@ -7,7 +7,8 @@ if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   message(STATUS "Sanitizers are on: stock MRPT programs are NOT TESTED with the plugin")
 else()
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
-  foreach(name icp_slam particle_filters observations2map rawlog_edit install benchmark_tables)
+  foreach(name icp_slam particle_filters observations2map rawlog_edit viewers install
+               benchmark_tables)
     add_test(NAME system_${name}
              COMMAND ${Python3_EXECUTABLE} -B
                      ${CMAKE_CURRENT_SOURCE_DIR}/system/${name}_test.py -v)

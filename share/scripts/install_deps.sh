@@ -11,6 +11,7 @@ packages=(
     gnuplot-nox           # plots of superray-bench paper
     mrpt-apps mrpt-common # the stock programs and the recorded scans
     python3               # system tests
+    xvfb xauth xdotool imagemagick libgl1-mesa-dri # system tests with windows
 )
 
 missing=()
