@@ -7,7 +7,7 @@ if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   message(STATUS "Sanitizers are on: stock MRPT programs are NOT TESTED with the plugin")
 else()
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
-  foreach(name icp_slam particle_filters observations2map rawlog_edit viewers install
+  foreach(name icp_slam particle_filters observations2map rawlog_edit viewers sensor_examples install
                benchmark_tables)
     add_test(NAME system_${name}
              COMMAND ${Python3_EXECUTABLE} -B
