@@ -33,12 +33,10 @@ Examples:
 
 struct Arguments {
     CompareRequest request;
-    std::string policy = "everyRay";
     std::string json;
 };
 
 int compare(Arguments& a) {
-    a.request.policy = updatePolicyFromString(a.policy);
     finishInputOptions(a.request.source);
     if (!a.json.empty()) checkOutputPath(a.json, {".json"});
     const auto runs = runCompare(a.request, std::cerr, progressStyle());
@@ -59,18 +57,10 @@ Command declareCompare(CLI::App& app) {
     a.request.engines = {"octomap", "grid", "octree"};
     app.footer(kDataHelp + std::string("\n") + enginesHelp() + kProtocol);
     app.add_option("DATA", a.request.data, "Scans")->required()->type_name("DATA");
-    app.add_option("--resolutions", a.request.resolutions, "Cell edges; default 0.1")
-        ->delimiter(',')
-        ->type_name("METRES");
-    app.add_option("--engines", a.request.engines, "Default octomap,grid,octree")
-        ->delimiter(',')
-        ->type_name("NAMES");
-    app.add_option("--threads", a.request.threads,
-                   "Numbers of threads, each run by itself; default 1")
-        ->delimiter(',')
-        ->type_name("N");
-    app.add_option("--policy", a.policy, "everyRay (default) or oncePerScan")
-        ->type_name("POLICY");
+    addListOption(app, "--resolutions", a.request.resolutions, "Cell edges; default 0.1",
+                  "METRES");
+    addEngineOptions(app, a.request.engines, "octomap,grid,octree", a.request.threads,
+                     a.request.policy);
     app.add_option("-k,--threshold", a.request.superRayThreshold,
                    "Fewest points of an end cell that super rays group; default 20")
         ->type_name("K");

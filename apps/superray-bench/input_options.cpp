@@ -29,6 +29,19 @@ void addInputOptions(CLI::App& app, ScanSourceOptions& source, std::uint64_t& wo
         ->type_name("FILE");
 }
 
+void addEngineOptions(CLI::App& app, std::vector<std::string>& engines,
+                      const std::string& defaultEngines, std::vector<unsigned>& threads,
+                      UpdatePolicy& policy) {
+    addListOption(app, "--engines", engines, "Default: " + defaultEngines, "NAMES");
+    addListOption(app, "--threads", threads,
+                  "Numbers of threads, each run by itself; default 1", "N");
+    app.add_option_function<std::string>(
+           "--policy",
+           [&policy](const std::string& name) { policy = updatePolicyFromString(name); },
+           "everyRay (default) or oncePerScan")
+        ->type_name("POLICY");
+}
+
 void finishInputOptions(ScanSourceOptions& source) {
     if (!source.posesFile.empty()) source.poses = PoseOrigin::file;
 }

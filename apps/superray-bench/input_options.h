@@ -2,6 +2,7 @@
 /// \file input_options.h
 /// Options that several subcommands have.
 
+#include <superray/core/sensor_model.h>
 #include <superray/eval/point_scan.h>
 #include <superray/eval/progress_meter.h>
 
@@ -19,6 +20,19 @@ extern const char* const kDataHelp;
 
 /// --scans, --seed, --sensor, --poses: how data are read.
 void addInputOptions(CLI::App& app, ScanSourceOptions& source, std::uint64_t& worldSeed);
+/// A list of values, separated by commas (what follows them is something else).
+template <class T>
+void addListOption(CLI::App& app, const std::string& names, std::vector<T>& values,
+                   const std::string& help, const std::string& type) {
+    app.add_option(names, values, help)
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->type_name(type);
+}
+/// --engines, --threads, --policy.
+void addEngineOptions(CLI::App& app, std::vector<std::string>& engines,
+                      const std::string& defaultEngines, std::vector<unsigned>& threads,
+                      UpdatePolicy& policy);
 /// "name  description" of each engine.
 std::string enginesHelp();
 /// Progress as fits the error output.

@@ -32,12 +32,11 @@ Examples:
 
 struct Arguments {
     PaperRequest request;
-    std::string output, policy = "everyRay";
+    std::string output;
     bool noPeakMemory = false;
 };
 
 int paper(Arguments& a) {
-    a.request.policy = updatePolicyFromString(a.policy);
     a.request.peakMemory = !a.noPeakMemory;
     finishInputOptions(a.request.source);
     const PaperRuns runs = runPaper(a.request, std::cerr, progressStyle());
@@ -59,25 +58,15 @@ Command declarePaper(CLI::App& app) {
     app.add_option("-o,--output", a.output, "Folder to write to")
         ->required()
         ->type_name("FOLDER");
-    app.add_option("--resolutions", a.request.resolutions,
-                   "Cell edges; default 0.1,0.2,0.4,0.6,0.8,1")
-        ->delimiter(',')
-        ->type_name("METRES");
-    app.add_option("--threads", a.request.threads, "Numbers of threads; default 1")
-        ->delimiter(',')
-        ->type_name("N");
+    addListOption(app, "--resolutions", a.request.resolutions,
+                  "Cell edges; default 0.1,0.2,0.4,0.6,0.8,1", "METRES");
     app.add_option("-k,--threshold", a.request.superRayThreshold,
                    "Super-ray threshold of all but Fig. 11; default 20")
         ->type_name("K");
-    app.add_option("--thresholds", a.request.thresholds,
-                   "Those of Fig. 11; default 1,2,5,10,20,50,100,200,500")
-        ->delimiter(',')
-        ->type_name("K");
-    app.add_option("--engines", a.request.engines, "Default: octomap and all methods")
-        ->delimiter(',')
-        ->type_name("NAMES");
-    app.add_option("--policy", a.policy, "everyRay (default) or oncePerScan")
-        ->type_name("POLICY");
+    addListOption(app, "--thresholds", a.request.thresholds,
+                  "Those of Fig. 11; default 1,2,5,10,20,50,100,200,500", "K");
+    addEngineOptions(app, a.request.engines, "octomap and all methods", a.request.threads,
+                     a.request.policy);
     app.add_flag("--no-peak-memory", a.noPeakMemory, "Leave out the pass that measures it");
     addInputOptions(app, a.request.source, a.request.worldSeed);
     return [arguments] { return paper(*arguments); };

@@ -31,13 +31,11 @@ Examples:
 
 struct Arguments {
     RealtimeRequest request;
-    std::string policy = "everyRay";
     std::string json;
     bool keepAllPoints = false;
 };
 
 int realtime(Arguments& a) {
-    a.request.policy = updatePolicyFromString(a.policy);
     if (a.keepAllPoints) a.request.training = TrainingPoints::all;
     finishInputOptions(a.request.source);
     if (!a.json.empty()) checkOutputPath(a.json, {".json"});
@@ -58,15 +56,8 @@ Command declareRealtime(CLI::App& app) {
     app.add_option("--rate", a.request.rate, "Scans a second; default 10")->type_name("HZ");
     app.add_option("--resolution", a.request.resolution, "Cell edge; default 0.2")
         ->type_name("METRES");
-    app.add_option("--engines", a.request.engines, "Default octomap,grid,octree")
-        ->delimiter(',')
-        ->type_name("NAMES");
-    app.add_option("--threads", a.request.threads,
-                   "Numbers of threads, each run by itself; default 1")
-        ->delimiter(',')
-        ->type_name("N");
-    app.add_option("--policy", a.policy, "everyRay (default) or oncePerScan")
-        ->type_name("POLICY");
+    addEngineOptions(app, a.request.engines, "octomap,grid,octree", a.request.threads,
+                     a.request.policy);
     app.add_flag("--keep-all-points", a.keepAllPoints, "Make maps of the test points too");
     app.add_option("--test-seed", a.request.testSeed, "Choice of test points; default 1")
         ->type_name("N");

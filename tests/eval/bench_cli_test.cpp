@@ -49,6 +49,11 @@ TEST(BenchCli, comparesAndWritesJson) {
 
 TEST(BenchCli, comparesSimulatedWorldsWithoutAFile) {
     TempFolder folder;
+    const auto several = runOk(folder,
+                               "compare --scans 1 --resolutions 0.8,1 --engines grid "
+                               "indoor outdoor");
+    for (const char* part : {"indoor, 0.8 m", "indoor, 1 m", "outdoor, 1 m, 1 scans, 247,817"})
+        EXPECT_NE(several.find(part), std::string::npos) << several;
     const auto text = runOk(
         folder, "compare indoor --scans 1 --resolutions 0.4 --engines grid,octree --seed 3");
     EXPECT_NE(text.find("indoor, 0.4 m, 1 scans, 89,446 points"), std::string::npos) << text;

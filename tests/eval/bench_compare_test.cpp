@@ -59,6 +59,40 @@ TEST(Compare, runsEveryEngineThreadCountAndResolution) {
     EXPECT_TRUE(digestConflicts(runs).empty());
 }
 
+/// Holds what it is told to, and more for a moment.
+class Hoarder final : public BenchEngine {
+ public:
+    static constexpr std::size_t kKept = 40'000'000, kForAMoment = 80'000'000;  // bytes
+    void prepare(const PointScan&) override {}
+    void insert() override {
+        if (kept_.empty()) kept_.assign(kKept, 'k');
+        const std::vector<char> moment(kForAMoment, 'm');
+        EXPECT_EQ(moment.back(), 'm');
+    }
+    std::size_t mapBytes() const override { return kept_.size(); }
+    std::optional<double> occupancy(const Eigen::Vector3f&) const override { return {}; }
+
+ private:
+    std::vector<char> kept_;
+};
+
+TEST(Compare, peakMemoryIsThatOfTheEngineAlone) {
+    addBenchEngine({"hoarder", "for this test", false, "", false,
+                    [](const auto&) { return std::make_unique<Hoarder>(); }});
+    TempFolder folder;
+    auto request = smallRequest(folder);
+    request.engines = {"hoarder", "grid"};
+    request.resolutions = {0.5};
+    request.threads = {1};
+    request.peakMemory = true;
+    const auto runs = run(request);
+    ASSERT_EQ(runs.size(), 2u);
+    ASSERT_TRUE(runs[0].peakBytes.has_value());
+    EXPECT_GT(*runs[0].peakBytes, Hoarder::kKept + Hoarder::kForAMoment);
+    EXPECT_LT(*runs[0].peakBytes, Hoarder::kKept + Hoarder::kForAMoment + 20'000'000);
+    EXPECT_LT(runs[1].peakBytes.value_or(0), 20'000'000u);
+}
+
 TEST(Compare, jsonHasTheFieldsThatAreDocumented) {
     TempFolder folder;
     const auto request = smallRequest(folder);

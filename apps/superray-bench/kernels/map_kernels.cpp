@@ -14,16 +14,17 @@ std::uint64_t touchedCells(const UpdateBatch<3>& batch) {
     return cells;
 }
 
-/// A scan into the map of the scans before it.
-void applyToKnown(benchmark::State& state, MapMember member) {
+/// Applies the scan to a map that `makeMap` makes, which is not timed.
+template <class MakeMap>
+void applyScan(benchmark::State& state, const OccupancyMap<3>* saturated,
+               const MakeMap& makeMap) {
     const KernelData& data = KernelData::of(state);
-    const OccupancyMap<3>& before = *(data.*member);
     ScanIntegrator<3> integrator;
     const IntegratorOptions options;
-    const auto& batch = integrator.integrate(data.rays, data.model, options, &before);
+    const auto& batch = integrator.integrate(data.rays, data.model, options, saturated);
     for (auto _ : state) {
         state.PauseTiming();
-        auto map = before.clone();
+        auto map = makeMap();
         state.ResumeTiming();
         map->apply(batch, data.model, options.policy);
         state.PauseTiming();
@@ -32,25 +33,19 @@ void applyToKnown(benchmark::State& state, MapMember member) {
     }
     countPerIteration(state, "cells", touchedCells(batch));
 }
+
+/// A scan into the map of the scans before it.
+void applyToKnown(benchmark::State& state, MapMember member) {
+    const OccupancyMap<3>& before = *(KernelData::of(state).*member);
+    applyScan(state, &before, [&] { return before.clone(); });
+}
 BENCHMARK_CAPTURE(applyToKnown, grid, &KernelData::grid)->Apply(onAllData);
 BENCHMARK_CAPTURE(applyToKnown, octree, &KernelData::octree)->Apply(onAllData);
 
 /// A scan into an empty map: every block is new.
 void applyToEmpty(benchmark::State& state, MapMember member) {
-    const KernelData& data = KernelData::of(state);
-    ScanIntegrator<3> integrator;
-    const IntegratorOptions options;
-    const auto& batch = integrator.integrate(data.rays, data.model, options, nullptr);
-    for (auto _ : state) {
-        state.PauseTiming();
-        auto map = (data.*member)->emptyLike(data.geometry);
-        state.ResumeTiming();
-        map->apply(batch, data.model, options.policy);
-        state.PauseTiming();
-        map.reset();
-        state.ResumeTiming();
-    }
-    countPerIteration(state, "cells", touchedCells(batch));
+    const OccupancyMap<3>& before = *(KernelData::of(state).*member);
+    applyScan(state, nullptr, [&] { return before.emptyLike(before.geometry()); });
 }
 BENCHMARK_CAPTURE(applyToEmpty, grid, &KernelData::grid)->Apply(onAllData);
 BENCHMARK_CAPTURE(applyToEmpty, octree, &KernelData::octree)->Apply(onAllData);
