@@ -18,7 +18,9 @@ namespace superray {
 ///
 /// Kept in blocks that are computed when first asked for. A change of the map
 /// drops the blocks within reach of the cells that became occupied or ceased to
-/// be, and nothing else. nearest() may be called concurrently.
+/// be, and nothing else. There are two layers: most questions are about cells at
+/// obstacles, and the near layer, which reaches a few cells, answers these at a
+/// fraction of the cost. nearest() may be called concurrently.
 template <int Dim>
 class DistanceField {
  public:
@@ -76,6 +78,11 @@ class DistanceField {
         bool valid = false;
         std::unique_ptr<Codes> codes;  ///< none: nothing within reach of any cell
     };
+    struct Layer {
+        double reach = 0;
+        std::unordered_map<BlockKey<Dim>, FieldBlock, IndexHash> blocks;
+    };
+    static constexpr double kNearReach = 4;
     /// Rows, planes and occupied cells around a block.
     struct Window;
 
@@ -83,9 +90,11 @@ class DistanceField {
     void update(const Source& source, double reach);
     void readAll(const Source& source);
     void readBlock(const Source& source, const BlockKey<Dim>& key);
-    void dropAround(const BlockKey<Dim>& key, const BlockMask<Dim>& changed);
-    void compute(const BlockKey<Dim>& key, FieldBlock& block) const;
+    static void dropAround(Layer& layer, const BlockKey<Dim>& key,
+                           const BlockMask<Dim>& changed);
+    void compute(const BlockKey<Dim>& key, double reach, FieldBlock& block) const;
     /// \param onMissing called for a block that is not valid; nullptr: give up there
+    /// \return false if it was given up
     template <class OnMissing>
     bool lookUp(const Cell<Dim>* cells, std::size_t count, Code* codes, OnMissing onMissing);
 
@@ -93,9 +102,8 @@ class DistanceField {
     typename ChangeLog<Dim>::Stamp stamp_ = 0;
     bool everRead_ = false;
     float occupiedFrom_ = 0;
-    double reach_ = 0;
+    Layer near_, far_;  // far_ is not used while both have one reach
     std::unordered_map<BlockKey<Dim>, BlockMask<Dim>, IndexHash> occupied_;
-    std::unordered_map<BlockKey<Dim>, FieldBlock, IndexHash> blocks_;
 };
 
 extern template class DistanceField<2>;
