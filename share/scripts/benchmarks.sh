@@ -5,8 +5,8 @@
 #                    kitti_hdl64.rawlog are used where they are there
 #   --program FILE   superray-bench; default: that of build/release
 #   --quick          few scans and coarse cells only: does everything work?
-# Leaves JSON files and tables.md. Half an hour on a quiet machine; nothing else
-# should run on it.
+# Leaves JSON files and tables.md. Takes long; nothing else should run on the
+# machine meanwhile.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 program=$root/build/release/apps/superray-bench/superray-bench
