@@ -39,9 +39,10 @@ struct Arguments {
 int compare(Arguments& a) {
     finishInputOptions(a.request.source);
     if (!a.json.empty()) checkOutputPath(a.json, {".json"});
-    const auto runs = runCompare(a.request, std::cerr, progressStyle());
+    const auto runs = runCompare(a.request, std::cerr, progressStyle(), [&](const auto& soFar) {
+        if (!a.json.empty()) writeTextFile(a.json, runsAsJson(soFar));
+    });
     std::cout << runsAsText(runs);
-    if (!a.json.empty()) writeTextFile(a.json, runsAsJson(runs));
     const auto conflicts = digestConflicts(runs);
     for (const std::string& conflict : conflicts)
         std::cerr << "superray-bench: error: " << conflict << std::endl;

@@ -39,7 +39,7 @@ int realtime(Arguments& a) {
     if (a.keepAllPoints) a.request.training = TrainingPoints::all;
     finishInputOptions(a.request.source);
     if (!a.json.empty()) checkOutputPath(a.json, {".json"});
-    const auto runs = runRealtime(a.request, std::cerr);
+    const auto runs = runRealtime(a.request, std::cerr, progressStyle());
     std::cout << realtimeAsText(a.request, runs);
     if (!a.json.empty()) writeTextFile(a.json, realtimeAsJson(a.request, runs));
     return kSuccess;

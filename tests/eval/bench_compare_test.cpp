@@ -29,7 +29,11 @@ CompareRequest smallRequest(const TempFolder& folder) {
 
 std::vector<BenchRun> run(const CompareRequest& request) {
     std::ostringstream log;
-    auto runs = runCompare(request, log, ProgressMeter::Style::log);
+    std::vector<std::size_t> soFar;
+    auto runs = runCompare(request, log, ProgressMeter::Style::log,
+                           [&](const auto& some) { soFar.push_back(some.size()); });
+    EXPECT_EQ(soFar.size(), request.data.size() * request.resolutions.size());
+    EXPECT_EQ(soFar.back(), runs.size());
     EXPECT_NE(log.str().find("points in"), std::string::npos) << log.str();
     return runs;
 }

@@ -103,7 +103,7 @@ TEST(Realtime, countsAccuracyAtThePapersThresholds) {
     auto request = smallRequest(folder);
     request.engines = {"always-0.71", "always-0.7", "always-0.3", "always-0.29", "unknown"};
     std::ostringstream log;
-    const auto runs = runRealtime(request, log);
+    const auto runs = runRealtime(request, log, ProgressMeter::Style::log);
     ASSERT_EQ(runs.size(), 5u);
     const double occupied[] = {1, 0, 0, 0, 0}, free[] = {0, 0, 0, 1, 0};
     for (std::size_t i = 0; i < 5; ++i) {
@@ -119,7 +119,7 @@ TEST(Realtime, slowScansUseAllAndQuickOnesFew) {
     auto request = smallRequest(folder);
     request.threads = {1, 2};
     std::ostringstream log;
-    const auto all = runRealtime(request, log);
+    const auto all = runRealtime(request, log, ProgressMeter::Style::log);
     ASSERT_EQ(all.size(), 3u);
     for (const RealtimeRun& run : all) {
         EXPECT_EQ(run.scansUsed, 3u);
@@ -129,7 +129,7 @@ TEST(Realtime, slowScansUseAllAndQuickOnesFew) {
     }
     EXPECT_EQ(all[0].all().correct, all[1].all().correct);  // threads change nothing
     request.rate = 1e9;
-    for (const RealtimeRun& run : runRealtime(request, log)) {
+    for (const RealtimeRun& run : runRealtime(request, log, ProgressMeter::Style::log)) {
         EXPECT_EQ(run.scansUsed, 1u);
         EXPECT_EQ(run.scansLost, 2u);
     }
@@ -146,7 +146,8 @@ TEST(Realtime, refusesBadRequests) {
         auto request = smallRequest(folder);
         change(request);
         std::ostringstream log;
-        return messageOf<std::exception>([&] { runRealtime(request, log); });
+        return messageOf<std::exception>(
+            [&] { runRealtime(request, log, ProgressMeter::Style::log); });
     };
     EXPECT_NE(message([](auto& r) { r.rate = 0; }).find("rate"), std::string::npos);
     EXPECT_NE(message([](auto& r) { r.engines = {"gird"}; }).find("gird"), std::string::npos);

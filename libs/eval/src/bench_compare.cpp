@@ -137,8 +137,11 @@ std::vector<BenchRun> compareEngines(const PointScans& scans, double resolution,
     std::vector<Contestant> all = makeContestants(scans, resolution, request);
     log << scans.name << ", " << resolution << " m: " << scans.scans.size() << " scans x "
         << all.size() << " engines" << std::endl;
-    if (request.peakMemory)
-        for (Contestant& c : all) measurePeak(c, scans);
+    for (Contestant& c : all) {
+        if (!request.peakMemory) break;
+        log << "memory of " << c.run.engine << std::endl;
+        measurePeak(c, scans);
+    }
     for (Contestant& c : all) c.engine = c.info->make(c.options);
     const auto exact =
         std::find_if(all.begin(), all.end(), [](const auto& c) { return c.run.exact; });
@@ -175,8 +178,9 @@ std::vector<BenchRun> compareEngines(const PointScans& scans, double resolution,
     return runs;
 }
 
-std::vector<BenchRun> runCompare(const CompareRequest& request, std::ostream& log,
-                                 ProgressMeter::Style style) {
+std::vector<BenchRun> runCompare(
+    const CompareRequest& request, std::ostream& log, ProgressMeter::Style style,
+    const std::function<void(const std::vector<BenchRun>&)>& onRuns) {
     request.validate();
     std::vector<BenchRun> runs;
     for (const std::string& data : request.data) {
@@ -186,6 +190,7 @@ std::vector<BenchRun> runCompare(const CompareRequest& request, std::ostream& lo
         for (const double resolution : request.resolutions) {
             auto more = compareEngines(scans, resolution, request, log, style);
             std::move(more.begin(), more.end(), std::back_inserter(runs));
+            if (onRuns) onRuns(runs);
         }
     }
     return runs;

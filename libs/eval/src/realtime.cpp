@@ -82,7 +82,8 @@ TrainTestSplit splitScans(const std::vector<PointScan>& scans, const RealtimeReq
     return split;
 }
 
-std::vector<RealtimeRun> runRealtime(const RealtimeRequest& request, std::ostream& log) {
+std::vector<RealtimeRun> runRealtime(const RealtimeRequest& request, std::ostream& log,
+                                     ProgressMeter::Style style) {
     request.validate();
     const PointScans scans = loadPointScans({request.data, request.source, request.worldSeed});
     const TrainTestSplit split = splitScans(scans.scans, request);
@@ -102,6 +103,10 @@ std::vector<RealtimeRun> runRealtime(const RealtimeRequest& request, std::ostrea
             RealtimeRun run;
             run.engine = name;
             run.threads = threads;
+            ProgressMeter meter(log, style);
+            const Stopwatch total;
+            BuildProgress progress;
+            progress.totalScans = split.training.size();
             const auto used =
                 replayAtRate(split.training.size(), request.rate, [&](std::size_t i) {
                     engine->prepare(split.training[i]);
@@ -109,6 +114,10 @@ std::vector<RealtimeRun> runRealtime(const RealtimeRequest& request, std::ostrea
                     engine->insert();
                     const double seconds = watch.seconds();
                     run.updateMs.push_back(1e3 * seconds);
+                    progress.scans = i + 1;
+                    progress.rays += split.training[i].points.size();
+                    progress.seconds = total.seconds();
+                    meter.update(progress);
                     return seconds;
                 });
             run.scansUsed = used.size();

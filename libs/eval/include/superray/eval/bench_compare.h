@@ -63,9 +63,12 @@ double medianOf(const std::vector<double>& values);  ///< 0 for none
 
 /// Runs everything. Engines take turns on each scan, in alternating order.
 /// \param log what is being done, and progress in the given style
+/// \param onRuns told all runs so far after each input and resolution, so that
+///        they are not lost if something breaks later
 /// \throws InputError
-std::vector<BenchRun> runCompare(const CompareRequest& request, std::ostream& log,
-                                 ProgressMeter::Style style);
+std::vector<BenchRun> runCompare(
+    const CompareRequest& request, std::ostream& log, ProgressMeter::Style style,
+    const std::function<void(const std::vector<BenchRun>&)>& onRuns = {});
 
 /// One run for each engine (and number of threads) on scans that are loaded.
 /// \param resolution [m]

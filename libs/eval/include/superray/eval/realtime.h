@@ -4,6 +4,7 @@
 /// those that come while the map is being updated are lost.
 
 #include <superray/eval/bench_engine.h>
+#include <superray/eval/progress_meter.h>
 
 #include <cstdint>
 #include <iosfwd>
@@ -80,7 +81,8 @@ TrainTestSplit splitScans(const std::vector<PointScan>& scans, const RealtimeReq
 
 /// Runs the engines one after the other. The clock is simulated: the measured
 /// time of an update decides which scans are lost, and nobody waits.
-std::vector<RealtimeRun> runRealtime(const RealtimeRequest& request, std::ostream& log);
+std::vector<RealtimeRun> runRealtime(const RealtimeRequest& request, std::ostream& log,
+                                     ProgressMeter::Style style);
 
 std::string realtimeAsText(const RealtimeRequest& request,
                            const std::vector<RealtimeRun>& runs);
