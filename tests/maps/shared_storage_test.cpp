@@ -107,6 +107,26 @@ TYPED_TEST(SharedStorageOf, StreamsOutliveTheMap) {
     EXPECT_EQ(read.digest(), this->original.digest());
 }
 
+TYPED_TEST(SharedStorageOf, BytesAreThoseOfTheCellsNow) {
+    auto& map = this->original;
+    const auto readBack = [&] {
+        mrpt::io::CMemoryStream stream;
+        archiveFrom(stream) << map;
+        stream.Seek(0);
+        TypeParam read;
+        archiveFrom(stream) >> read;
+        return read.digest();
+    };
+    // Alone with its cells, the map keeps their bytes until it is changed.
+    EXPECT_EQ(readBack(), map.digest());
+    const auto* cells = &map.storage();
+    this->change(map);
+    EXPECT_EQ(&map.storage(), cells);
+    EXPECT_EQ(readBack(), map.digest());
+    map.clear();
+    EXPECT_EQ(readBack(), map.digest());
+}
+
 // Run under the thread sanitizer, this finds what is shared and written.
 TYPED_TEST(SharedStorageOf, CopiesInManyThreads) {
     const auto digest = this->original.digest();
