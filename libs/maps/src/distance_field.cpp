@@ -15,9 +15,16 @@ BlockMask<Dim> occupiedCells(const BlockView<Dim>& block, float occupied) {
     BlockMask<Dim> mask;
     const float* values = block.values;
     for (std::size_t w = 0; w < mask.words.size(); ++w, values += 64) {
-        std::uint64_t bits = 0;  // without branches: most scans change many blocks
-        for (int i = 0; i < 64; ++i) bits |= std::uint64_t{values[i] >= occupied} << i;
-        mask.words[w] = bits & block.known.words[w];
+        const std::uint64_t known = block.known.words[w];
+        if (~known == 0) {  // without branches: a scan changes many such blocks
+            for (int i = 0; i < 64; ++i)
+                mask.words[w] |= std::uint64_t{values[i] >= occupied} << i;
+        } else {
+            for (std::uint64_t bits = known; bits; bits &= bits - 1) {
+                const int i = __builtin_ctzll(bits);
+                mask.words[w] |= std::uint64_t{values[i] >= occupied} << i;
+            }
+        }
     }
     return mask;
 }
