@@ -1,7 +1,7 @@
 foreach(name options range_image_returns velodyne_returns other_returns insertion
         serialization registration views voxel_view points_map likelihood distance_field
         localization shared_storage
-        deskew octomap_defects map_queries map_algebra)
+        deskew octomap_defects map_queries map_algebra matching)
   superray_add_test(maps_${name}_test SOURCES maps/${name}_test.cpp LIBS superray::maps)
 endforeach()
 target_link_libraries(maps_views_test PRIVATE octomap)

@@ -18,4 +18,5 @@ install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/share/config_files/
 
 # Installed anywhere, the programs find the library beside them.
 file(RELATIVE_PATH superray_bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
-set_target_properties(superray-map superray-bench PROPERTIES INSTALL_RPATH "\$ORIGIN/${superray_bin_to_lib}")
+set_target_properties(superray-map superray-bench superray-slam-app
+                      PROPERTIES INSTALL_RPATH "\$ORIGIN/${superray_bin_to_lib}")

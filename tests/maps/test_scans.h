@@ -142,6 +142,7 @@ inline TMapOptions unusualOptions() {
     o.insertion.sensorLabel = "CLOUD, other label";
     o.insertion.heightBandMin = -1.0 / 3;
     o.insertion.heightBandMax = 1.7;
+    o.insertion.pointStatistics = true;
     o.likelihood.decimation = 4;
     o.likelihood.sigma = 0.07;
     o.likelihood.maxDistance = 0.21;

@@ -171,7 +171,9 @@ class RawlogSource final : public ScanSource {
     void addToIndex(const CObservation& observation) {
         using mrpt::obs::CObservationOdometry;
         using mrpt::obs::CObservationRobotPose;
-        if (const auto* p = dynamic_cast<const CObservationRobotPose*>(&observation))
+        const bool odometryOnly = options_.poses == PoseOrigin::odometry;
+        const auto* p = dynamic_cast<const CObservationRobotPose*>(&observation);
+        if (p && !odometryOnly)
             index_.robotPoses.add(p->timestamp, p->pose.mean);
         else if (const auto* o = dynamic_cast<const CObservationOdometry*>(&observation))
             index_.odometry.add(o->timestamp, CPose3D(o->odometry));

@@ -63,6 +63,7 @@ std::optional<mrpt::poses::CPose3D> PoseLookup::pose(
         case PoseOrigin::fixed:
             return mrpt::poses::CPose3D();
         case PoseOrigin::input:
+        case PoseOrigin::odometry:
             break;
     }
     return fromInput;
@@ -98,12 +99,14 @@ std::unique_ptr<ScanSource> openScanSource(const std::string& path,
     if (options.maxScans == 0) throw InputError("the number of scans must be at least 1");
     std::error_code error;
     if (!fs::exists(path, error)) throw InputError(path + ": no such file or folder");
+    const bool isRawlog = endsWith(path, ".rawlog") || endsWith(path, ".rawlog.gz");
+    if (options.poses == PoseOrigin::odometry && !isRawlog)
+        throw InputError(path + ": has no odometry (rawlogs may have)");
     if (fs::is_directory(path, error)) return openKitti(path, options);
     if (endsWith(path, ".simplemap") || endsWith(path, ".simplemap.gz"))
         return openSimpleMap(path, options);
     if (endsWith(path, ".graph")) return openScanGraph(path, options);
-    if (endsWith(path, ".rawlog") || endsWith(path, ".rawlog.gz"))
-        return openRawlog(path, options);
+    if (isRawlog) return openRawlog(path, options);
     throw InputError(path +
                      ": unknown input; known are .rawlog, .simplemap, .graph (OctoMap) and "
                      "KITTI odometry folders");

@@ -31,7 +31,9 @@ class PoseLookup {
     /// \throws InputError if the poses file cannot be used
     explicit PoseLookup(const ScanSourceOptions& options);
 
-    bool usesInput() const { return origin_ == PoseOrigin::input; }
+    bool usesInput() const {
+        return origin_ == PoseOrigin::input || origin_ == PoseOrigin::odometry;
+    }
     /// Poses of the poses file; nullptr without.
     const Trajectory* fromFile() const {
         return origin_ == PoseOrigin::file ? &trajectory_ : nullptr;

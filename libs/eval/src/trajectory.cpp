@@ -5,6 +5,8 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <fstream>
 
 #include "text_numbers.h"
@@ -85,6 +87,32 @@ Trajectory Trajectory::load(const std::string& path) {
     if (file.bad()) throw InputError(path + ": cannot read the poses file");
     if (result.empty()) throw InputError(path + ": holds no pose");
     return result;
+}
+
+void Trajectory::saveTum(const std::string& path) const {
+    const std::string beside = path + ".part";
+    {
+        std::ofstream file(beside);
+        file << "# timestamp x y z qx qy qz qw (robot pose in the map frame)\n";
+        for (const auto& [time, pose] : poses_) {
+            CQuaternionDouble q;
+            pose.getAsQuaternion(q);
+            char line[256];
+            std::snprintf(line, sizeof line, "%.7f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
+                          mrpt::Clock::toDouble(time), pose.x(), pose.y(), pose.z(), q.x(),
+                          q.y(), q.z(), q.r());
+            file << line;
+        }
+        file.close();
+        if (file) {
+            std::error_code error;
+            std::filesystem::rename(beside, path, error);
+            if (!error) return;
+        }
+    }
+    std::error_code ignored;
+    std::filesystem::remove(beside, ignored);
+    throw InputError(path + ": cannot write the trajectory");
 }
 
 void Trajectory::add(Time time, const CPose3D& T_map_robot) {

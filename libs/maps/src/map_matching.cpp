@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 #include <unordered_map>
 
 #include "nearest_occupied.h"
@@ -38,6 +39,41 @@ Point<Dim> asPoint(const mrpt::math::TPoint3D& p) {
     return q;
 }
 
+void checkParams(const mrpt::maps::TMatchingParams& params) {
+    const auto fail = [](const std::string& rule) {
+        throw std::invalid_argument("matching against an occupancy map: " + rule);
+    };
+    const std::size_t step = params.decimation_other_map_points;
+    if (step < 1) fail("decimation_other_map_points = 0; must be >= 1");
+    if (params.offset_other_map_points >= step)
+        fail("offset_other_map_points = " + std::to_string(params.offset_other_map_points) +
+             "; must be < decimation_other_map_points = " + std::to_string(step));
+    if (params.onlyUniqueRobust && !params.onlyKeepTheClosest)
+        fail("onlyUniqueRobust needs onlyKeepTheClosest");
+}
+
+/// What a point is paired with.
+template <int Dim>
+struct Partner {
+    Cell<Dim> cell;
+    Point<Dim> point;
+    double distance;  ///< that must be within reach [m]
+};
+
+/// The surface in an occupied cell where it is known, else the cell itself.
+template <int Dim>
+Partner<Dim> partnerIn(const typename NearestOccupied<Dim>::Found& found, const Point<Dim>& p,
+                       const CellGeometry<Dim>& geometry,
+                       const SurfaceStatistics<Dim>* statistics) {
+    const auto* patch = statistics ? statistics->patch(found.cell) : nullptr;
+    if (!patch) return {found.cell, geometry.center(found.cell), found.distance};
+    Point<Dim> foot = patch->footPoint(p);
+    // A plane says nothing far from its cell.
+    if ((foot - patch->mean).squaredNorm() > Dim * std::pow(geometry.resolution(), 2))
+        foot = patch->mean;
+    return {found.cell, foot, (foot - p).norm()};
+}
+
 }  // namespace
 
 template <int Dim>
@@ -56,25 +92,29 @@ float matchingRatio(const OccupancyMap<Dim>& map, const SensorModel& model,
 }
 
 template <int Dim>
-void matchPoints(const OccupancyMap<Dim>& map, const SensorModel& model,
-                 const mrpt::maps::CMetricMap* other, const mrpt::poses::CPose3D& otherPose,
+void matchPoints(const OccupancyMap<Dim>& map, const SurfaceStatistics<Dim>* statistics,
+                 const SensorModel& model, const mrpt::maps::CMetricMap* other,
+                 const mrpt::poses::CPose3D& otherPose,
                  const mrpt::maps::TMatchingParams& params,
                  mrpt::tfest::TMatchingPairList& correspondences,
                  mrpt::maps::TMatchingExtraResults& extraResults) {
     correspondences.clear();
     extraResults = {};
+    checkParams(params);
     const auto* points = pointsOf(other);
     if (!points)
         throw std::invalid_argument(
             "matching against an occupancy map: the other map must be, or hold, a points map");
-    const std::size_t step = std::max<std::size_t>(1, params.decimation_other_map_points);
+    const std::size_t step = params.decimation_other_map_points;
     const auto reachOf = [&](const mrpt::math::TPoint3D& p) {
         return params.maxDistForCorrespondence + params.maxAngularDistForCorrespondence *
                                                      p.distanceTo(params.angularDistPivotPoint);
     };
     double farthest = 0;
-    for (std::size_t i = params.offset_other_map_points; i < points->size(); i += step)
+    std::size_t asked = 0;
+    for (std::size_t i = params.offset_other_map_points; i < points->size(); i += step, ++asked)
         farthest = std::max(farthest, reachOf(pointInMap(*points, i, otherPose)));
+    if (asked == 0) return;
     const NearestOccupied<Dim> nearest(map, model.occupied(), farthest);
 
     std::unordered_map<Cell<Dim>, std::uint32_t, IndexHash> cellNumbers;
@@ -84,46 +124,44 @@ void matchPoints(const OccupancyMap<Dim>& map, const SensorModel& model,
         const Point<Dim> q = asPoint<Dim>(p);
         if (!map.geometry().contains(q)) continue;
         const auto found = nearest(q);
-        if (!found || found->distance > reachOf(p)) continue;
-        const Point<Dim> centre = map.geometry().center(found->cell);
+        if (!found) continue;
+        const auto partner = partnerIn(*found, q, map.geometry(), statistics);
+        if (partner.distance > reachOf(p)) continue;
         const auto number =
-            cellNumbers.emplace(found->cell, static_cast<std::uint32_t>(cellNumbers.size()));
+            cellNumbers.emplace(partner.cell, static_cast<std::uint32_t>(cellNumbers.size()));
         mrpt::tfest::TMatchingPair pair;
         pair.globalIdx = number.first->second;
         pair.localIdx = static_cast<std::uint32_t>(i);
-        pair.global = {static_cast<float>(centre[0]), static_cast<float>(centre[1]),
-                       static_cast<float>(Dim == 3 ? centre[Dim - 1] : p.z)};
+        pair.global = {static_cast<float>(partner.point[0]),
+                       static_cast<float>(partner.point[1]),
+                       static_cast<float>(Dim == 3 ? partner.point[Dim - 1] : p.z)};
         points->getPoint(i, pair.local.x, pair.local.y, pair.local.z);
-        const double squared = (centre - q).squaredNorm();
+        const double squared = (partner.point - q).squaredNorm();
         pair.errorSquareAfterTransformation = static_cast<float>(squared);
         squaredSum += squared;
         correspondences.push_back(pair);
     }
+    // As CPointsMap does, before pairs are dropped for having the same partner.
+    const auto matched = static_cast<double>(correspondences.size());
+    extraResults.correspondencesRatio =
+        static_cast<float>(matched / static_cast<double>(asked));
+    if (matched > 0) extraResults.sumSqrDist = static_cast<float>(squaredSum / matched);
     if (params.onlyUniqueRobust) {
         mrpt::tfest::TMatchingPairList unique;
         correspondences.filterUniqueRobustPairs(cellNumbers.size(), unique);
         correspondences.swap(unique);
     }
-    const std::size_t asked =
-        points->size() > params.offset_other_map_points
-            ? (points->size() - params.offset_other_map_points + step - 1) / step
-            : 0;
-    if (asked > 0)
-        extraResults.correspondencesRatio =
-            static_cast<float>(correspondences.size()) / static_cast<float>(asked);
-    if (!correspondences.empty())
-        extraResults.sumSqrDist =
-            static_cast<float>(squaredSum / static_cast<double>(correspondences.size()));
 }
 
-#define SUPERRAY_INSTANTIATE(Dim)                                                            \
-    template float matchingRatio(const OccupancyMap<Dim>&, const SensorModel&,               \
-                                 const mrpt::maps::CMetricMap*, const mrpt::poses::CPose3D&, \
-                                 const mrpt::maps::TMatchingRatioParams&);                   \
-    template void matchPoints(                                                               \
-        const OccupancyMap<Dim>&, const SensorModel&, const mrpt::maps::CMetricMap*,         \
-        const mrpt::poses::CPose3D&, const mrpt::maps::TMatchingParams&,                     \
-        mrpt::tfest::TMatchingPairList&, mrpt::maps::TMatchingExtraResults&);
+#define SUPERRAY_INSTANTIATE(Dim)                                                              \
+    template float matchingRatio(const OccupancyMap<Dim>&, const SensorModel&,                 \
+                                 const mrpt::maps::CMetricMap*, const mrpt::poses::CPose3D&,   \
+                                 const mrpt::maps::TMatchingRatioParams&);                     \
+    template void matchPoints(const OccupancyMap<Dim>&, const SurfaceStatistics<Dim>*,         \
+                              const SensorModel&, const mrpt::maps::CMetricMap*,               \
+                              const mrpt::poses::CPose3D&, const mrpt::maps::TMatchingParams&, \
+                              mrpt::tfest::TMatchingPairList&,                                 \
+                              mrpt::maps::TMatchingExtraResults&);
 SUPERRAY_INSTANTIATE(2)
 SUPERRAY_INSTANTIATE(3)
 #undef SUPERRAY_INSTANTIATE

@@ -6,6 +6,7 @@
 #include <mrpt/poses/CPose3D.h>
 #include <mrpt/tfest/TMatchingPair.h>
 #include <superray/maps/options.h>
+#include <superray/maps/surface_statistics.h>
 #include <superray/storage/occupancy_map.h>
 
 namespace superray {
@@ -16,11 +17,15 @@ float matchingRatio(const OccupancyMap<Dim>& map, const SensorModel& model,
                     const mrpt::maps::CMetricMap* other, const mrpt::poses::CPose3D& otherPose,
                     const mrpt::maps::TMatchingRatioParams& params);
 
-/// See CMetricMap::determineMatching3D(). Occupied cells farther than 32 cells
-/// from a point are not found.
+/// See CSuperRayMapBase::determineMatching3D(). Occupied cells farther than 32
+/// cells from a point are not found.
+/// \param statistics where the surface lies in the cells; null: not known
+/// \throws std::invalid_argument for parameters that contradict each other, or
+///         another map that has no points
 template <int Dim>
-void matchPoints(const OccupancyMap<Dim>& map, const SensorModel& model,
-                 const mrpt::maps::CMetricMap* other, const mrpt::poses::CPose3D& otherPose,
+void matchPoints(const OccupancyMap<Dim>& map, const SurfaceStatistics<Dim>* statistics,
+                 const SensorModel& model, const mrpt::maps::CMetricMap* other,
+                 const mrpt::poses::CPose3D& otherPose,
                  const mrpt::maps::TMatchingParams& params,
                  mrpt::tfest::TMatchingPairList& correspondences,
                  mrpt::maps::TMatchingExtraResults& extraResults);

@@ -1,4 +1,4 @@
-#include "option_text.h"
+#include <superray/maps/option_text.h>
 
 #include <algorithm>
 #include <cctype>

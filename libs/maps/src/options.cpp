@@ -5,7 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "option_text.h"
+#include <superray/maps/option_text.h>
 
 namespace superray {
 namespace {
@@ -43,6 +43,7 @@ void visitInsertion(O& o, Visit visit) {
     visit("sensorLabel", o.sensorLabel, "comma-separated, empty: all");
     visit("heightBandMin", o.heightBandMin, "[m] map frame, 3D returns only");
     visit("heightBandMax", o.heightBandMax, "[m] map frame, 3D returns only");
+    visit("pointStatistics", o.pointStatistics, "surface in the cells, for matching");
 }
 
 template <class O, class Visit>

@@ -53,6 +53,7 @@ CSuperRayMapBase<Dim>::CSuperRayMapBase(const CSuperRayMapBase& other)
       renderingOptions(other.renderingOptions),
       type_(other.type_),
       storage_(other.storage_),
+      surface_(other.surface_),
       last_(other.last_),
       totals_(other.totals_),
       distances_(std::make_unique<DistanceField<Dim>>()),
@@ -68,6 +69,7 @@ CSuperRayMapBase<Dim>& CSuperRayMapBase<Dim>::operator=(const CSuperRayMapBase& 
     renderingOptions = other.renderingOptions;
     type_ = other.type_;
     storage_ = other.storage_;
+    surface_ = other.surface_;
     last_ = other.last_;
     totals_ = other.totals_;
     contentsChanged();
@@ -147,6 +149,7 @@ template <int Dim>
 void CSuperRayMapBase<Dim>::replaceAll(SharedStorage<Dim> storage, const TMapOptions& o) {
     assignOptions(o);
     storage_ = std::move(storage);
+    surface_.reset();
     last_ = totals_ = {};
     contentsChanged();
 }
@@ -164,6 +167,7 @@ void CSuperRayMapBase<Dim>::contentsChanged() {
 template <int Dim>
 void CSuperRayMapBase<Dim>::internal_clear() {
     storage_.clear();
+    surface_.reset();
     last_ = totals_ = {};
     contentsChanged();
 }
@@ -231,8 +235,8 @@ void CSuperRayMapBase<Dim>::determineMatching3D(
     const mrpt::maps::CMetricMap* other, const mrpt::poses::CPose3D& otherPose,
     mrpt::tfest::TMatchingPairList& correspondences, const mrpt::maps::TMatchingParams& params,
     mrpt::maps::TMatchingExtraResults& extraResults) const {
-    matchPoints(*storage_, sensorModel(), other, otherPose, params, correspondences,
-                extraResults);
+    matchPoints(*storage_, surface_.get(), sensorModel(), other, otherPose, params,
+                correspondences, extraResults);
 }
 
 template <int Dim>
@@ -240,8 +244,8 @@ void CSuperRayMapBase<Dim>::determineMatching2D(
     const mrpt::maps::CMetricMap* other, const mrpt::poses::CPose2D& otherPose,
     mrpt::tfest::TMatchingPairList& correspondences, const mrpt::maps::TMatchingParams& params,
     mrpt::maps::TMatchingExtraResults& extraResults) const {
-    matchPoints(*storage_, sensorModel(), other, mrpt::poses::CPose3D(otherPose), params,
-                correspondences, extraResults);
+    matchPoints(*storage_, surface_.get(), sensorModel(), other,
+                mrpt::poses::CPose3D(otherPose), params, correspondences, extraResults);
 }
 
 // --- views --------------------------------------------------------------------

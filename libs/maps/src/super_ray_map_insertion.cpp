@@ -88,6 +88,16 @@ void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>& rays) {
 }
 
 template <int Dim>
+void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>& rays) {
+    if (!insertionOptions.pointStatistics) return;
+    if (!surface_)
+        surface_ = std::make_shared<SurfaceStatistics<Dim>>(storage_->geometry());
+    else if (surface_.use_count() > 1)  // copies of this map have it too
+        surface_ = std::make_shared<SurfaceStatistics<Dim>>(*surface_);
+    surface_->add(rays);
+}
+
+template <int Dim>
 void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionReport report) {
     const SensorModel model = sensorModel();
     const IntegratorOptions integration = insertionOptions.integratorOptions();
@@ -113,6 +123,7 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
             map.apply(batch, model, integration.policy);
             applied = &batch;
         }
+        addStatistics(rays);
         report.applySeconds = watch.lap();
         scanApplied(rays, applied);
     }
@@ -126,6 +137,7 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
     template bool CSuperRayMapBase<Dim>::insertObservationAlong(                             \
         const mrpt::obs::CObservation&, const PoseAtTime&);                                  \
     template void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>&);                  \
+    template void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>&);               \
     template void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>&, TInsertionReport); \
     template void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>&);              \
     template void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>&);

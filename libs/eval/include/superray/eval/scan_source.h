@@ -24,9 +24,10 @@ struct Scan {
 
 /// Where robot poses come from.
 enum class PoseOrigin : std::uint8_t {
-    input,  ///< the input itself
-    file,   ///< ScanSourceOptions::posesFile, by time
-    fixed   ///< the robot stays at the map's origin: one scan, or a fixed sensor
+    input,    ///< the input itself
+    file,     ///< ScanSourceOptions::posesFile, by time
+    fixed,    ///< the robot stays at the map's origin: one scan, or a fixed sensor
+    odometry  ///< what the input says, but for robot poses: actions, odometry (rawlogs)
 };
 
 /// What to do with an input that ends in the middle of an object.

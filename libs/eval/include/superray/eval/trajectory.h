@@ -36,6 +36,13 @@ class Trajectory {
     /// \return nothing outside the time range
     std::optional<mrpt::poses::CPose3D> at(Time time, double slack = 0) const;
 
+    /// Writes TUM text (8 columns, see load()); the old file stays on errors.
+    /// \throws InputError
+    void saveTum(const std::string& path) const;
+
+    /// All poses by time.
+    const std::map<Time, mrpt::poses::CPose3D>& poses() const { return poses_; }
+
     bool empty() const { return poses_.empty(); }
     std::size_t size() const { return poses_.size(); }
     Time firstTime() const { return poses_.begin()->first; }  ///< \pre !empty()

@@ -63,6 +63,9 @@ struct TInsertionOptions : public mrpt::config::CLoadableOptions {
     /// [heightBandMin, heightBandMax] are inserted. 2D scans always are.
     double heightBandMin = -std::numeric_limits<double>::infinity();
     double heightBandMax = std::numeric_limits<double>::infinity();
+    /// Keep number, mean and covariance of the end points in each cell, so that
+    /// matching knows where the surface lies in it (costs time and memory).
+    bool pointStatistics = false;
 
     void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
                             const std::string& section) override;

@@ -11,6 +11,7 @@
 #include <superray/maps/options.h>
 #include <superray/maps/shared_storage.h>
 #include <superray/maps/super_ray_map_interface.h>
+#include <superray/maps/surface_statistics.h>
 #include <superray/storage/map_file.h>
 #include <superray/storage/occupancy_map.h>
 
@@ -45,6 +46,9 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     /// Inserts rays that the caller made. \throws std::invalid_argument if their
     /// geometry has another resolution
     void insertRays(const RayBundle<Dim>& rays);
+    /// Where the surface lies in the cells; null if insertionOptions.pointStatistics
+    /// was never on. Neither saved nor written to streams.
+    const SurfaceStatistics<Dim>* pointStatistics() const { return surface_.get(); }
     /// Calls visit(key) once for each block in which a cell may have become
     /// known or changed its value since changeStamp() was `since`.
     /// \return false, with nothing visited, if the whole map may have changed
@@ -61,7 +65,9 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     void setResolution(double metres) override;
     CellTotals cellTotals() const override;
     std::optional<MetricBounds> metricBounds() const override;
-    std::size_t memoryBytes() const override { return storage_->memoryBytes(); }
+    std::size_t memoryBytes() const override {
+        return storage_->memoryBytes() + (surface_ ? surface_->memoryBytes() : 0);
+    }
     std::string digest() const override { return contentDigest(*storage_); }
     std::uint64_t changeStamp() const override { return changes_.stamp(); }
     SensorModel sensorModel() const override { return insertionOptions.sensorModel(); }
@@ -102,7 +108,14 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     float compute3DMatchingRatio(const mrpt::maps::CMetricMap* other,
                                  const mrpt::poses::CPose3D& otherPose,
                                  const mrpt::maps::TMatchingRatioParams& params) const override;
-    /// Pairs each point of a points map with the centre of the nearest occupied cell.
+    /// Pairs each point of a points map with the nearest occupied cell: with the
+    /// surface in it where insertionOptions.pointStatistics has told where that is
+    /// (foot point on the plane of its end points, or their mean), else with its
+    /// centre. One pair per point, whatever onlyKeepTheClosest says. As with
+    /// CPointsMap, correspondencesRatio is the share of the points asked for that
+    /// have a partner, and sumSqrDist the mean of the squared distances.
+    /// \throws std::invalid_argument if the other map is or holds no points map,
+    ///         or the parameters contradict each other
     void determineMatching3D(const mrpt::maps::CMetricMap* other,
                              const mrpt::poses::CPose3D& otherPose,
                              mrpt::tfest::TMatchingPairList& correspondences,
@@ -161,11 +174,13 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     template <class ToBundle>
     bool insertReturns(const mrpt::obs::CObservation& observation, ReturnTimes times,
                        ToBundle toBundle);
+    void addStatistics(const RayBundle<Dim>& rays);
     void integrate(const RayBundle<Dim>& rays, TInsertionReport report);
     std::shared_ptr<mrpt::opengl::COctoMapVoxels> visualization() const;
 
     StorageType type_;
     SharedStorage<Dim> storage_;
+    std::shared_ptr<SurfaceStatistics<Dim>> surface_;  ///< null: none yet
     ScanIntegrator<Dim> integrator_;
     TInsertionReport last_, totals_;
     ChangeLog<Dim> changes_;

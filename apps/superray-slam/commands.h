@@ -1,0 +1,15 @@
+#pragma once
+/// \file commands.h
+/// One function per subcommand.
+
+#include "common/program.h"
+
+namespace superray {
+
+enum ExitCode : int { kSuccess = 0, kError = 1 };
+
+Command declareBuild(CLI::App& app);
+Command declareEvaluate(CLI::App& app);
+Command declareOptions(CLI::App& app);
+
+}  // namespace superray

@@ -1,0 +1,121 @@
+#include <superray/maps/surface_statistics.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace superray {
+namespace {
+
+/// Calls f(neighbour, offset) for a cell and its 3^Dim - 1 neighbours.
+template <int Dim, class F>
+void forEachNear(const Cell<Dim>& cell, F f) {
+    Cell<Dim> offset;
+    offset.fill(-1);
+    for (;;) {
+        Cell<Dim> c;
+        for (int a = 0; a < Dim; ++a) c[a] = cell[a] + offset[a];
+        f(c, offset);
+        int a = 0;
+        while (a < Dim && offset[a] == 1) offset[a++] = -1;
+        if (a == Dim) return;
+        ++offset[a];
+    }
+}
+
+}  // namespace
+
+template <int Dim>
+std::uint32_t SurfaceStatistics<Dim>::findOrInsert(const Cell<Dim>& cell) {
+    if (2 * (moments_.size() + 1) > slots_.size()) {
+        std::vector<Slot> old(slots_.empty() ? 64 : 2 * slots_.size());
+        old.swap(slots_);
+        for (const Slot& slot : old)
+            if (slot.key != kFree) slots_[position(slot.key)] = slot;
+    }
+    const std::uint64_t key = keyOf(cell);
+    Slot& slot = slots_[position(key)];
+    if (slot.key == kFree) {
+        slot = {key, static_cast<std::uint32_t>(moments_.size())};
+        moments_.emplace_back();
+        moments_.back().cell = cell;
+        patches_.emplace_back();
+    }
+    return slot.number;
+}
+
+template <int Dim>
+void SurfaceStatistics<Dim>::add(const RayBundle<Dim>& rays) {
+    ++scans_;
+    std::vector<std::uint32_t> changed;  // numbers of cells
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (rays.kind(i) != RayEnd::hit) continue;
+        const Point<Dim>& p = rays.end(i);
+        const Cell<Dim> cell = geometry_.cellOf(p);
+        const std::uint32_t number = findOrInsert(cell);
+        Moments& moments = moments_[number];
+        const Point<Dim> offset = p - geometry_.center(cell);
+        ++moments.points;
+        moments.sum += offset;
+        moments.squares += offset * offset.transpose();
+        if (moments.scan == scans_) continue;
+        moments.scan = scans_;
+        changed.push_back(number);
+    }
+    // A cell that changed also changes the normals of its neighbours, once each.
+    const std::size_t touched = changed.size();
+    for (std::size_t i = 0; i < touched; ++i)
+        forEachNear<Dim>(moments_[changed[i]].cell, [&](const Cell<Dim>& c, const Cell<Dim>&) {
+            const std::uint32_t number = find(c);
+            if (number == kNone || moments_[number].scan == scans_) return;
+            moments_[number].scan = scans_;
+            changed.push_back(number);
+        });
+    for (const std::uint32_t number : changed) patches_[number] = makePatch(moments_[number]);
+}
+
+template <int Dim>
+SurfacePatch<Dim> SurfaceStatistics<Dim>::makePatch(const Moments& own) const {
+    std::uint32_t points = 0;
+    Point<Dim> sum = Point<Dim>::Zero();
+    Matrix squares = Matrix::Zero();
+    forEachNear<Dim>(own.cell, [&](const Cell<Dim>& c, const Cell<Dim>& offset) {
+        const std::uint32_t number = find(c);
+        if (number == kNone) return;
+        const Moments& near = moments_[number];
+        Point<Dim> shift;
+        for (int a = 0; a < Dim; ++a) shift[a] = offset[a] * geometry_.resolution();
+        const double n = near.points;
+        points += near.points;
+        sum += near.sum + n * shift;
+        squares += near.squares + shift * near.sum.transpose() + near.sum * shift.transpose() +
+                   n * shift * shift.transpose();
+    });
+    SurfacePatch<Dim> patch;
+    patch.points = own.points;
+    patch.mean = geometry_.center(own.cell) + own.sum / own.points;
+    patch.normal.setZero();
+    if (points < kPlanePoints) return patch;
+    const Point<Dim> mean = sum / points;
+    const Eigen::SelfAdjointEigenSolver<Matrix> solver(squares / points -
+                                                       mean * mean.transpose());
+    const double thickness = std::max(0.0, solver.eigenvalues()[0]);
+    const double width = solver.eigenvalues()[1];
+    // Points on a line (in 2D: in one spot) do not say where the plane is.
+    if (!(width > 1e-6 * geometry_.resolution() * geometry_.resolution())) return patch;
+    patch.normal = solver.eigenvectors().col(0);
+    patch.planarity = 1 - std::sqrt(thickness / width);
+    return patch;
+}
+
+template <int Dim>
+std::size_t SurfaceStatistics<Dim>::memoryBytes() const {
+    return slots_.capacity() * sizeof(Slot) + moments_.capacity() * sizeof(Moments) +
+           patches_.capacity() * sizeof(SurfacePatch<Dim>);
+}
+
+template class SurfaceStatistics<2>;
+template class SurfaceStatistics<3>;
+
+}  // namespace superray

@@ -1,0 +1,113 @@
+// superray-slam as a shell runs it.
+
+#include <gtest/gtest.h>
+#include <mrpt/obs/CRawlog.h>
+#include <superray/eval/trajectory.h>
+
+#include <filesystem>
+
+#include "eval/run_program.h"
+#include "slam/synthetic_room.h"
+
+namespace superray {
+namespace {
+
+class SlamProgram : public ::testing::Test {
+ protected:
+    void SetUp() override {
+        mrpt::obs::CRawlog rawlog;
+        for (int i = 0; i < 5; ++i)
+            rawlog.insert(
+                test::roomScan(test::roomPose(i), 0.2 * i, static_cast<std::uint32_t>(i))
+                    .observation);
+        ASSERT_TRUE(rawlog.saveToRawLogFile(folder_ / "room.rawlog"));
+        Trajectory truth;
+        for (int i = 0; i < 5; ++i)
+            truth.add(mrpt::Clock::fromDouble(1e9 + 0.2 * i), test::roomPose(i));
+        truth.saveTum(folder_ / "truth.tum");
+    }
+
+    test::ProgramResult run(const std::string& arguments) {
+        return test::runProgram(folder_, SUPERRAY_SLAM_APP, arguments);
+    }
+    std::string path(const std::string& name) { return "'" + (folder_ / name) + "'"; }
+
+    test::TempFolder folder_;
+};
+
+TEST_F(SlamProgram, BuildsAndEvaluates) {
+    const auto built =
+        run("build " + path("room.rawlog") + " -o " + path("r.tum") + " " + path("r.srmap") +
+            " " + path("r.simplemap") + " " + path("r.3Dscene") +
+            " --levels 0.6,0.3 --point-spacing 0.15 --resolution 0.2 --key-frame-distance 0.2");
+    ASSERT_EQ(built.code, 0) << built.error;
+    EXPECT_NE(built.out.find("scans      5"), std::string::npos) << built.out;
+    for (const char* name : {"r.tum", "r.srmap", "r.simplemap", "r.3Dscene"})
+        EXPECT_TRUE(std::filesystem::exists(folder_ / name)) << name;
+    EXPECT_EQ(Trajectory::load(folder_ / "r.tum").size(), 5u);
+
+    const auto evaluated = run("evaluate " + path("r.tum") + " " + path("truth.tum"));
+    ASSERT_EQ(evaluated.code, 0) << evaluated.error;
+    for (const char* part : {"ATE, position", "RPE, rotation", "segments [m]", "drift"})
+        EXPECT_NE(evaluated.out.find(part), std::string::npos) << part;
+    const auto json =
+        run("evaluate --json --segments 0.1 " + path("r.tum") + " " + path("truth.tum"));
+    EXPECT_EQ(json.code, 0);
+    EXPECT_EQ(json.out.front(), '{');
+}
+
+TEST_F(SlamProgram, OptionsAreAConfigurationFile) {
+    const auto options = run("options");
+    ASSERT_EQ(options.code, 0);
+    folder_.write("all.ini", options.out);
+    const auto again = run("options --config " + path("all.ini"));
+    ASSERT_EQ(again.code, 0) << again.error;
+    EXPECT_EQ(again.out, options.out);
+}
+
+TEST_F(SlamProgram, ErrorsAreOneLineAndCodeOne) {
+    const std::string input = path("room.rawlog");
+    const struct {
+        std::string arguments, part;
+    } errors[] = {
+        {"build " + input + " -o " + path("r.txt"), "unknown kind of output"},
+        {"build " + path("none.rawlog") + " -o " + path("r.tum"), "no such file"},
+        {"build " + input + " -o " + path("r.tum") + " --levels 1,2", "resolutions"},
+        {"build " + input + " -o " + path("r.tum") + " --sensor X", "sensor label 'X'"},
+        {"build " + input + " -o " + path("r.tum") + " --odometry", "no robot poses"},
+        {"build " + input + " -o " + path("r.tum") + " --start '1 2'", "six numbers"},
+        {"build " + input + " -o " + path("r.tum") + " --max-range 0.1", "none of the"},
+        {"evaluate " + input + " " + path("truth.tum"), "room.rawlog"},
+        {"nonsense", "superray-slam --help"},
+    };
+    for (const auto& e : errors) {
+        const auto result = run(e.arguments);
+        EXPECT_EQ(result.code, 1) << e.arguments;
+        EXPECT_NE(result.error.find(e.part), std::string::npos)
+            << e.arguments << " -> " << result.error;
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "r.tum"));
+}
+
+TEST_F(SlamProgram, TheLiveViewNeedsADisplay) {
+    const auto result =
+        test::runProgram(folder_, "env",
+                         "-u DISPLAY '" SUPERRAY_SLAM_APP "' build " + path("room.rawlog") +
+                             " -o " + path("r.tum") + " --view");
+    EXPECT_EQ(result.code, 1);
+    EXPECT_NE(result.error.find("DISPLAY is not set"), std::string::npos) << result.error;
+}
+
+TEST_F(SlamProgram, TheLiveViewRunsInAVirtualDisplay) {
+    if (std::system("command -v xvfb-run >/dev/null") != 0)
+        GTEST_SKIP() << "xvfb-run is not installed: the live view is NOT TESTED";
+    const auto result = test::runProgram(
+        folder_, "xvfb-run",
+        "-a '" SUPERRAY_SLAM_APP "' build " + path("room.rawlog") + " -o " + path("r.tum") +
+            " --view --levels 0.6,0.3 --point-spacing 0.2 --scans 3");
+    EXPECT_EQ(result.code, 0) << result.error;
+    EXPECT_EQ(Trajectory::load(folder_ / "r.tum").size(), 3u);
+}
+
+}  // namespace
+}  // namespace superray
