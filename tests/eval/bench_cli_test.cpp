@@ -109,10 +109,12 @@ TEST(BenchKernels, allRunAndCount) {
                               "--benchmark_format=json");
     ASSERT_EQ(r.code, 0) << r.error;
     const auto kernels = nlohmann::json::parse(r.out)["benchmarks"];
-    EXPECT_EQ(kernels.size(), 14u);
+    EXPECT_GE(kernels.size(), 24u);
     for (const auto& kernel : kernels) {
-        const std::string rate = kernel.contains("cells") ? "cells" : "rays";
-        EXPECT_GT(kernel[rate].get<double>(), 1e4) << kernel["name"];
+        double rate = 0;  // of whatever it counts
+        for (const char* counted : {"cells", "rays", "points"})
+            if (kernel.contains(counted)) rate = kernel[counted].get<double>();
+        EXPECT_GT(rate, 1e3) << kernel["name"];
     }
 }
 
