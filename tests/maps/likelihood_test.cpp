@@ -92,6 +92,13 @@ TEST(Likelihood, ScoresOfSinglePoints) {
     EXPECT_NEAR(score(1.05, 3.05), std::log(0.25), 1e-9);  // unknown and far
     map.likelihoodOptions.unknownLikelihood = 1;
     EXPECT_LE(score(1.05, 3.05), score(2.05, 0.05)) << "unknown never above a hit";
+    // Mixed with a uniform part, a hit still has 1 and nothing is worse than the part.
+    map.likelihoodOptions.uniformWeight = 0.2;
+    EXPECT_EQ(score(2.05, 0.05), 0);
+    EXPECT_NEAR(score(1.9, 0.05), std::log(0.8 * std::exp(-0.5 * 0.25) + 0.2), 1e-5);
+    EXPECT_NEAR(score(1.05, 0.05), std::log(0.8 * std::exp(-0.5 * 4) + 0.2), 1e-9);
+    map.likelihoodOptions.sigma = 0.001;
+    EXPECT_NEAR(score(1.05, 0.05), std::log(0.2), 1e-9);
     map.likelihoodOptions.sigma = -1;
     EXPECT_THROW(score(1, 1), std::invalid_argument);
 }

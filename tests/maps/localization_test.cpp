@@ -1,9 +1,7 @@
 // The likelihood finds the true pose in a map of a real room.
 
+#include <mrpt/obs/CObservationRotatingScan.h>
 #include <superray/maps/CSuperRayGridMap3D.h>
-#include <superray/maps/CSuperRayOctoMap.h>
-
-#include <chrono>
 
 #include "maps/test_scans.h"
 
@@ -68,6 +66,47 @@ void expectTheTruePoseWins() {
 
 TEST(Localization, TheTruePoseWinsInTheRoom) {
     expectTheTruePoseWins<CSuperRayGridMap3D>();
+}
+
+TEST(Localization, EverySupportedObservationPrefersItsPose) {
+    const auto velodyne = test::mrptDataset("test_velodyne_VLP16.rawlog");
+    const auto camera = test::mrptDataset("tests_rgbd.rawlog");
+    SUPERRAY_SKIP_WITHOUT(velodyne);
+    SUPERRAY_SKIP_WITHOUT(camera);
+    std::vector<mrpt::obs::CObservation::Ptr> scans{test::randomCloud(500, 1),
+                                                    test::planarScan(181)};
+    scans.push_back(test::readScans(velodyne, 1).at(0).scan);
+    scans.push_back(test::readScans(camera, 1).at(0).scan);
+    auto rotating = mrpt::obs::CObservationRotatingScan::Create();
+    rotating->rowCount = 1;
+    rotating->columnCount = 180;
+    rotating->rangeImage.resize(1, 180);
+    for (int i = 0; i < 180; ++i)
+        rotating->rangeImage(0, i) = static_cast<std::uint16_t>(500 + i);
+    rotating->rangeResolution = 0.005;
+    rotating->startAzimuth = -3;
+    rotating->azimuthSpan = 6;
+    rotating->minRange = 0.1;
+    rotating->maxRange = 30;
+    scans.push_back(rotating);
+    std::size_t compared = 0;
+    for (const auto& className : mapClassNames()) {
+        for (const auto& scan : scans) {
+            const auto map = createMap(className);
+            if (!dynamic_cast<SuperRayMapInterface*>(&*map)) continue;
+            const auto truth = test::someRobotPose();
+            ASSERT_TRUE(map->insertObservation(*scan, truth));
+            ASSERT_TRUE(map->canComputeObservationLikelihood(*scan));
+            const double here = map->computeObservationLikelihood(*scan, truth);
+            for (const double shift : {-0.4, 0.4}) {
+                const auto pose = CPose3D(shift, shift / 2, 0, 0, 0, 0) + truth;
+                EXPECT_GT(here, map->computeObservationLikelihood(*scan, pose) + 1)
+                    << className << " " << scan->GetRuntimeClass()->className;
+                ++compared;
+            }
+        }
+    }
+    EXPECT_EQ(compared, 4u * 5u * 2u);
 }
 
 }  // namespace

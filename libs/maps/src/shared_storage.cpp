@@ -1,7 +1,6 @@
 #include <superray/maps/shared_storage.h>
 
 #include <algorithm>
-#include <atomic>
 #include <mutex>
 #include <typeinfo>
 #include <unordered_map>
@@ -104,8 +103,9 @@ OccupancyMap<Dim>& SharedStorage<Dim>::writable() {
         registry.remove(held_);
         held_->encoded.reset();
     }
-    // What other copies read before they let go comes before what is written now.
-    std::atomic_thread_fence(std::memory_order_acquire);
+    // What other copies read before they let go comes before what is written now:
+    // dropping a reference synchronizes with those that were dropped before.
+    std::shared_ptr<Held>(held_).reset();
     return *held_->map;
 }
 
