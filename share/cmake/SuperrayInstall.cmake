@@ -15,6 +15,8 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/superray-config.cmake
         DESTINATION ${superray_cmake_dir})
 install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/share/config_files/
         DESTINATION ${CMAKE_INSTALL_DATADIR}/superray/config_files)
+install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/share/examples/
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/superray/examples)
 
 # Installed anywhere, the programs find the library beside them.
 file(RELATIVE_PATH superray_bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})

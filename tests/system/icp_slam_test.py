@@ -14,8 +14,11 @@ CONFIGURED = {"CSuperRayOctoMap": "superRayOctoMap", "CSuperRayGridMap2D": "supe
 
 class IcpSlam(ProgramTest):
     def slam(self, preload):
-        _, log = self.run_program("icp-slam", self.config("icp-slam-superray.ini"),
-                                  self.dataset(RAWLOG), preload=preload)
+        command = ["icp-slam", self.config("icp-slam-superray.ini"), self.dataset(RAWLOG)]
+        if preload:
+            _, log = self.run_as_documented(command[0], command[1].name, command[2])
+        else:
+            _, log = self.run_program(*command)
         simplemaps = list(self.folder.glob("*/_finalmap_.simplemap"))
         self.assertEqual(len(simplemaps), 1, log[-2000:])
         return log, simplemaps[0]
@@ -57,8 +60,8 @@ class SoleReference(ProgramTest):
         self.log = self.folder / "LOG_ICP-SLAM_SUPERRAY_ONLY"
 
     def test_slam_on_our_map_alone(self):
-        _, errors = self.run_program("icp-slam", self.config_file, self.dataset(RAWLOG),
-                                     preload=True)
+        _, errors = self.run_as_documented("icp-slam", self.config_file.name,
+                                           self.dataset(RAWLOG))
         self.assertIn(PLUGIN_MESSAGE, errors)
         self.assertEqual(list(self.log.glob("_finalmaps_*_mrpt__*")), [], "no other map")
         name = "superray__CSuperRayPointsMap2D_00"

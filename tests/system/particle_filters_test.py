@@ -19,16 +19,16 @@ class Localization(ProgramTest):
     def test_converges_to_the_true_pose(self):
         drive = SimulatedDrive(self)
         shutil.copy(drive.world, self.folder / "localization.srmap")
-        output, errors = self.run_program(
-            "pf-localization", self.config("pf-localization-superray.ini"), drive.rawlog,
-            preload=True)
+        output, errors = self.run_as_documented(
+            "pf-localization", "pf-localization-superray.ini", drive.rawlog)
         self.assertIn(PLUGIN_MESSAGE, errors)
         estimates = self.estimates(output)
         self.assertEqual(len(estimates), len(drive.path))
         error = [distance(e, truth) for e, truth in zip(estimates, drive.path)]
-        print(f"pf-localization: {error[-1]:.3f} m off at last, trace {estimates[-1][3]}")
+        last = sum(error[-10:]) / 10  # particles are not seeded
+        print(f"pf-localization: {last:.3f} m off at last, trace {estimates[-1][3]}")
         self.assertLess(estimates[-1][3], 0.3)
-        self.assertLess(error[-1], 0.10)
+        self.assertLess(last, 0.10)
         self.assertLess(sorted(error[20:])[len(error[20:]) // 2], 0.10)
 
         # The map is the loaded one; nothing was inserted.
@@ -47,12 +47,16 @@ class Localization(ProgramTest):
 class RbpfSlam(ProgramTest):
     def slam(self, algorithm, drive):
         """(error of the SLAM, error of odometry) at the end [m]"""
-        text = self.config("rbpf-slam-superray.ini").read_text()
-        changed, count = re.subn(r"(?m)^PF_algorithm = \d", f"PF_algorithm = {algorithm}", text)
-        self.assertEqual(count, 1)
-        config = self.folder / f"algorithm{algorithm}.ini"
-        config.write_text(changed)
-        _, errors = self.run_program("rbpf-slam", config, drive.rawlog, preload=True)
+        name = "rbpf-slam-superray.ini"
+        if algorithm == 0:
+            _, errors = self.run_as_documented("rbpf-slam", name, drive.rawlog)
+        else:
+            config = self.folder / name
+            text = self.config(name).read_text()
+            self.assertIn("\nPF_algorithm = 0\n", text)
+            config.write_text(text.replace("\nPF_algorithm = 0\n",
+                                           f"\nPF_algorithm = {algorithm}\n"))
+            _, errors = self.run_program("rbpf-slam", config, drive.rawlog, preload=True)
         self.assertIn(PLUGIN_MESSAGE, errors)
         log = self.folder / "LOG_RBPF-SLAM_SUPERRAY"
         maps = list(log.glob("finalMap_superray__CSuperRayGridMap2D_00.srmap"))

@@ -68,6 +68,16 @@ class ProgramTest(unittest.TestCase):
                          f"{command} failed:\n{output[-3000:]}{errors[-3000:]}")
         return output, errors
 
+    def assert_documented(self, text):
+        """What a test does with a stock program is what doc/mrpt.md tells to do."""
+        self.assertIn(text, (self.source / "doc/mrpt.md").read_text())
+
+    def run_as_documented(self, program, config, rawlog):
+        """A SLAM program with a configuration file that comes with the library."""
+        self.assert_documented(
+            f"LD_PRELOAD=libsuperray-maps.so {program} {config} FILE.rawlog </dev/null\n")
+        return self.run_program(program, self.config(config), rawlog, preload=True)
+
     def config(self, name):
         """One of the configuration files that come with the library."""
         return self.source / "share/config_files" / name

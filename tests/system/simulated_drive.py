@@ -26,8 +26,7 @@ class SimulatedDrive:
     def __init__(self, test):
         folder = test.folder
         loop = test.dataset(LOOP_RAWLOG)
-        test.run_program("icp-slam", test.config("icp-slam-superray-only.ini"), loop,
-                         preload=True)
+        test.run_as_documented("icp-slam", "icp-slam-superray-only.ini", loop)
         log = folder / "LOG_ICP-SLAM_SUPERRAY_ONLY"
         path_file = log / "log_estimated_path.txt"
         self.path = read_path(path_file)

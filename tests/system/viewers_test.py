@@ -42,6 +42,7 @@ def colourful(red, green, blue):
 class Viewers(ProgramTest):
     def setUp(self):
         super().setUp()
+        self.patience = 1
         for name in ("xvfb-run", "xdotool", "import"):
             self.program(name)
 
@@ -79,13 +80,22 @@ class Viewers(ProgramTest):
         """Id of the window with this in its title, when it is there."""
         found = self.wait_for(f"window '{title}'", lambda: self.xdotool(
             "search", "--onlyvisible", "--name", title).split())
-        time.sleep(0.5)  # for its contents
+        self.pause(0.5)  # for its contents
         return found[0]
+
+    def pause(self, seconds):
+        """For windows to follow; there is nothing to see that they did."""
+        time.sleep(seconds * self.patience)
+
+    def type(self, text):
+        self.xdotool("type", "--delay", 2 * self.patience, text)
+        self.xdotool("key", "Return")
+        self.pause(0.1)
 
     def place(self, window, width, height):
         self.xdotool("windowmove", window, 0, 0)
         self.xdotool("windowsize", window, width, height)
-        time.sleep(0.5)
+        self.pause(0.5)
 
     def click(self, window, x, y):
         self.xdotool("mousemove", "--window", window, x, y, "click", 1)
@@ -103,6 +113,7 @@ class Viewers(ProgramTest):
 class SceneViewer(Viewers):
     def coloured_pixels(self, scene, at_least):
         """Starts the viewer, comes closer and counts what is not background."""
+        self.assert_documented("SceneViewer3D -l libsuperray-maps.so room.3Dscene")
         end = self.start("SceneViewer3D", "-l", self.plugin, scene)
         window = self.window(scene.name)
         self.place(window, 1270, 1000)
@@ -142,6 +153,7 @@ class RawLog(Viewers):
 
     def raw_map(self, rawlog, prefix):
         """Drives the dialog "Raw-map"; a picture of the map's preview."""
+        self.assert_documented("RawLogViewer -l libsuperray-maps.so FILE.rawlog")
         end = self.start("RawLogViewer", "-l", self.plugin, rawlog)
         tip = self.window("Tip of the Day")
         main = self.window("RawlogViewer - Part of")
@@ -154,23 +166,24 @@ class RawLog(Viewers):
         self.click(main, 225, 62)  # the button "Raw-map"
         dialog = self.window("Creation of")
         self.xdotool("windowmove", dialog, 0, 0)
-        time.sleep(0.3)
+        self.pause(0.3)
         self.click(dialog, 700, 200)  # the text with the maps
+        self.pause(0.2)
         self.xdotool("key", "ctrl+a")
+        self.assert_documented("\n".join(self.INI) + "\n```\n")
         for line in self.INI:
-            self.xdotool("type", "--delay", 2, line)
-            self.xdotool("key", "Return")
+            self.type(line)
+        self.pause(0.5)
         self.click(dialog, 130, 192)  # "Map from odometry"
-        time.sleep(2)
+        self.pause(2)
         self.click(dialog, 130, 243)  # "Save map as text..."
         self.window("Save as text file")
-        self.xdotool("type", "--delay", 2, prefix)
-        self.xdotool("key", "Return")
-        time.sleep(1)
+        self.type(prefix)
+        self.pause(1)
         saved = list(prefix.parent.glob(prefix.name + "*.srmap"))
         if saved:
             self.click(dialog, 300, 277)  # "Preview map in 3D"
-            time.sleep(2)
+            self.pause(2)
         picture = self.picture()
         end()
         return saved, picture
@@ -179,8 +192,8 @@ class RawLog(Viewers):
         rawlog = self.dataset("localization_demo.rawlog")
         expected = self.digest(self.build_map(rawlog, "--map", "CSuperRayGridMap2D",
                                               "--resolution", "0.05"))
-        for attempt in range(3):  # windows of a busy machine may miss a click
-            saved, picture = self.raw_map(rawlog, self.folder / f"map{attempt}")
+        for self.patience in (1, 4, 8):  # windows of a busy machine may miss a click
+            saved, picture = self.raw_map(rawlog, self.folder / f"map{self.patience}")
             if saved:
                 break
         self.assertEqual(len(saved), 1, self.log.read_text(errors="replace")[-2000:])
