@@ -59,6 +59,7 @@ TEST_F(SlamProgram, BuildsAndEvaluates) {
 TEST_F(SlamProgram, OptionsAreAConfigurationFile) {
     const auto options = run("options");
     ASSERT_EQ(options.code, 0);
+    EXPECT_EQ(options.error, "") << "not a plugin: nothing to say";
     folder_.write("all.ini", options.out);
     const auto again = run("options --config " + path("all.ini"));
     ASSERT_EQ(again.code, 0) << again.error;

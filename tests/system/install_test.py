@@ -40,6 +40,10 @@ class Install(ProgramTest):
             self.assertNotEqual(list(self.prefix.glob(pattern)), [], pattern)
 
         exists("bin/superray-map")
+        exists("bin/superray-slam")
+        help_text, errors = self.run_program(self.prefix / "bin/superray-slam", "--help")
+        self.assertIn("superray-slam evaluate", help_text)
+        self.assertEqual(errors, "")
         exists("lib/**/libsuperray-maps.so")
         exists("include/superray/core/scan_integrator.h")
         exists("include/superray/maps/CSuperRayOctoMap.h")

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <future>
 #include <stdexcept>
 
 namespace superray {
@@ -72,8 +73,11 @@ bool RangeSlam::isKeyFrame(const Registration& registration) const {
 
 void RangeSlam::insert(const Scan& scan, const SensorReturns& returns,
                        const CPose3D& T_map_robot) {
-    registration_.insert(returns, T_map_robot);
+    // The maps have nothing in common but what they read.
+    auto reference =
+        std::async(std::launch::async, [&] { registration_.insert(returns, T_map_robot); });
     map_->insertObservation(*scan.observation, T_map_robot);
+    reference.get();
     auto pose = mrpt::poses::CPose3DPDFGaussian::Create();
     pose->mean = T_map_robot;
     auto frame = mrpt::obs::CSensoryFrame::Create();
