@@ -151,7 +151,8 @@ std::shared_ptr<COctoMapVoxels> VoxelView<Dim>::draw(const OccupancyMap<Dim>& ma
     refresh(map, {map.geometry().resolution(), model, options});
     const bool byHeight = options.colour == VoxelColour::height;
 
-    auto voxels = COctoMapVoxels::Create();
+    // Made and destroyed by MRPT's own code, which UBSan can follow.
+    auto voxels = std::dynamic_pointer_cast<COctoMapVoxels>(COctoMapVoxels::CreateObject());
     voxels->setVisualizationMode(byHeight ? COctoMapVoxels::COLOR_FROM_HEIGHT
                                           : COctoMapVoxels::COLOR_FROM_OCCUPANCY);
     voxels->enableCubeTransparency(false);
