@@ -234,6 +234,28 @@ TEST_F(AgainstPointsMap, ContradictingParametersAreErrors) {
     EXPECT_TRUE(match(map_, CSimplePointsMap(), CPose3D(), {}).pairs.empty());
 }
 
+TEST(Matching, WhatHasGoneIsNotMatched) {
+    CSuperRayGridMap3D map(0.2);
+    map.insertionOptions.pointStatistics = true;
+    const auto wall = slopedWall(2000);
+    insert(map, Point<3>(0.1, 0.1, 5), wall);
+    CSimplePointsMap points;
+    for (const auto& p : wall)
+        points.insertPoint(static_cast<float>(p.x()), static_cast<float>(p.y()),
+                           static_cast<float>(p.z()));
+    mrpt::maps::TMatchingParams params;
+    params.maxDistForCorrespondence = 0.1f;
+    ASSERT_EQ(match(map, points, CPose3D(), params).pairs.size(), points.size());
+    // Now the sensor sees through to what lies behind.
+    std::vector<Point<3>> behind;
+    for (const auto& p : wall) behind.push_back(p + 0.8 * (p - Point<3>(0.1, 0.1, 5)));
+    for (int i = 0; i < 10; ++i) insert(map, Point<3>(0.1, 0.1, 5), behind);
+    const auto left = match(map, points, CPose3D(), params);
+    EXPECT_LT(left.pairs.size(), points.size() / 20);
+    EXPECT_LT(left.extra.correspondencesRatio, 0.05f);
+    EXPECT_EQ(map.compute3DMatchingRatio(&points, CPose3D(5, 0, 0, 0, 0, 0), {}), 0.0f);
+}
+
 TEST(Matching, CopiesAndClearedMapsHaveTheirOwnStatistics) {
     CSuperRayOctoMap map(0.2);
     map.insertionOptions.pointStatistics = true;

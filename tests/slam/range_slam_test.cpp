@@ -184,6 +184,9 @@ TEST(RangeSlam, OutputsAreWholeFiles) {
     mrpt::maps::CSimpleMap frames;
     EXPECT_TRUE(frames.loadFromFile(folder / "a.simplemap"));
     EXPECT_EQ(frames.size(), slam.keyFrames().size());
+    ScanSourceOptions odometry;
+    odometry.poses = PoseOrigin::odometry;
+    EXPECT_THROW(openScanSource(folder / "a.simplemap", odometry), InputError);
     EXPECT_GT(std::filesystem::file_size(folder / "a.3Dscene"), 1000u);
     for (const auto& entry : std::filesystem::directory_iterator(folder / ""))
         EXPECT_NE(entry.path().extension(), ".part");
