@@ -76,7 +76,7 @@ class RbpfSlam(ProgramTest):
         for algorithm in (0, 3):
             error, odometry_error = self.slam(algorithm, drive)
             self.assertGreater(odometry_error, 9)
-            self.assertLess(error, odometry_error / 2)
+            self.assertLess(error, 0.7 * odometry_error)  # particles are not seeded
 
 
 if __name__ == "__main__":
