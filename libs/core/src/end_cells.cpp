@@ -6,10 +6,8 @@ template <int Dim>
 void EndCells<Dim>::assign(const RayBundle<Dim>& rays, std::size_t begin, std::size_t end,
                            const BlockBox<Dim>& box) {
     first_ = begin;
-    distinct_ = 0;
     directory_.reset(box);
     keys_.clear();
-    ended_.clear();
     hits_.clear();
     addresses_.resize(end - begin);
 
@@ -25,7 +23,6 @@ void EndCells<Dim>::assign(const RayBundle<Dim>& rays, std::size_t begin, std::s
                 keys_.push_back(key);
                 number = static_cast<std::uint32_t>(keys_.size());
                 directory_.setNumber(key, number);
-                ended_.resize(ended_.size() + kCells, 0);
                 hits_.resize(hits_.size() + kCells, 0);
             }
             base = (number - 1) * kCells;
@@ -35,8 +32,6 @@ void EndCells<Dim>::assign(const RayBundle<Dim>& rays, std::size_t begin, std::s
         const std::uint32_t address =
             base + static_cast<std::uint32_t>(indexInBlock<Dim>(cell));
         addresses_[i - begin] = address;
-        distinct_ += ended_[address] == 0;
-        ended_[address] = 1;
         hits_[address] =
             WalkState<Dim>::saturatingAdd(hits_[address], rays.kind(i) == RayEnd::hit ? 1 : 0);
     }
@@ -52,30 +47,10 @@ void EndCells<Dim>::findEnclosed(const CullingRegion<Dim>& region) {
 }
 
 template <int Dim>
-void EndCells<Dim>::sortByEndCell() {
-    // Counting sort; end cells are numbered in order of first appearance.
-    slots_.assign(ended_.size(), 0);  // per cell: 1 + group
-    starts_.assign(1, 0);
-    for (std::uint32_t& a : addresses_) {
-        std::uint32_t& slot = slots_[a];
-        if (slot == 0) {
-            slot = static_cast<std::uint32_t>(starts_.size());
-            starts_.push_back(0);
-        }
-        ++starts_[slot];
-    }
-    for (std::size_t g = 1; g < starts_.size(); ++g) starts_[g] += starts_[g - 1];
-    order_.resize(addresses_.size());
-    std::vector<std::uint32_t> next(starts_);
-    for (std::size_t i = 0; i < addresses_.size(); ++i)
-        order_[next[slots_[addresses_[i]] - 1]++] = static_cast<std::uint32_t>(first_ + i);
-}
-
-template <int Dim>
 void EndCells<Dim>::addHits(WalkState<Dim>& state) const {
     for (std::size_t b = 0; b < keys_.size(); ++b) {
         const std::uint8_t* hits = hits_.data() + b * kCells;
-        std::uint8_t* sum = state.batch.hitsOf(state.blockNumber(keys_[b]));
+        std::uint8_t* sum = state.batch.hitsOf(state.batchBlock(keys_[b]));
         for (std::uint32_t i = 0; i < kCells; ++i)
             sum[i] = WalkState<Dim>::saturatingAdd(sum[i], hits[i]);
     }

@@ -18,9 +18,6 @@ class EndCells {
     void assign(const RayBundle<Dim>& rays, std::size_t begin, std::size_t end,
                 const BlockBox<Dim>& box);
 
-    /// Cells in which a ray ends.
-    std::size_t distinct() const { return distinct_; }
-
     /// Looks up which end cells are enclosed by the region.
     /// \pre the rays start in the cell region.sensor()
     void findEnclosed(const CullingRegion<Dim>& region);
@@ -30,25 +27,18 @@ class EndCells {
         return enclosed_[a / kCells].test(static_cast<int>(a % kCells));
     }
 
-    /// Sorts the rays by end cell. Group g is order()[starts()[g] .. starts()[g+1]).
-    void sortByEndCell();
-    const std::vector<std::uint32_t>& order() const { return order_; }
-    const std::vector<std::uint32_t>& starts() const { return starts_; }
-
     /// Adds the returns to the batch as hits.
     void addHits(WalkState<Dim>& state) const;
 
  private:
     static constexpr std::uint32_t kCells = kBlockCells<Dim>;
 
-    std::size_t first_ = 0, distinct_ = 0;
+    std::size_t first_ = 0;
     BlockDirectory<Dim> directory_;  // block -> 1 + number
     std::vector<BlockKey<Dim>> keys_;
     std::vector<std::uint32_t> addresses_;  // per ray: number * kCells + index
-    std::vector<std::uint8_t> ended_;       // per cell of the blocks: a ray ends there
     std::vector<std::uint8_t> hits_;        // ... with a return; saturating
     std::vector<BlockMask<Dim>> enclosed_;  // per block
-    std::vector<std::uint32_t> order_, starts_, slots_;
 };
 
 }  // namespace superray

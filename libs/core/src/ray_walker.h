@@ -4,7 +4,6 @@
 #include <superray/core/culling_region.h>
 #include <superray/core/ray_bundle.h>
 
-#include "ray_frustum.h"
 #include "walk_kernel.h"
 
 namespace superray {
@@ -16,7 +15,7 @@ class RayWalker {
     RayWalker(WalkState<Dim>& state, const RayBundle<Dim>& rays,
               const CullingRegion<Dim>& region)
         : state_(state), rays_(rays), region_(region) {
-        static const WalkKernel<Dim> best = bestWalkKernel<Dim>();
+        static const WalkKernel<Dim> best = bestKernels<Dim>().walk;
         kernel_ = state.directory.dense() ? best : walkPortable<Dim>;
     }
     RayWalker(const RayWalker&) = delete;
@@ -31,21 +30,13 @@ class RayWalker {
             from = firstSlice_ = region_.firstSliceToWalk(line, firstSlice_);
             culled_ += from > 0;
         }
-        walk(line, {from, line.slices()}, weight);
-    }
-
-    /// Counts the free cells of a line in a range of slices, `weight` times.
-    void walk(const RayLine<Dim>& line, SliceRange range, std::uint32_t weight) {
         if (weight != weight_ || state_.addresses.size() >= kFlushAt) {
             state_.flush(weight_);
             weight_ = weight;
         }
         state_.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
-        kernel_(state_, line, range.from, range.to);
+        kernel_(state_, line, from, line.slices());
     }
-
-    /// Counts what is still pending.
-    void flush() { state_.flush(weight_); }
 
     /// Rays of which the region took a part.
     std::uint64_t culled() const { return culled_; }

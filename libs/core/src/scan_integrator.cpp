@@ -26,11 +26,6 @@ class Stopwatch {
     Clock::time_point last_ = Clock::now();
 };
 
-/// From this many rays per end cell on, the end cells themselves are worth a
-/// look (a depth image at 5 cm has hundreds, at 2 cm ten; a spinning lidar at
-/// 10 cm has 1 to 3).
-constexpr std::size_t kDenseRaysPerEndCell = 32;
-
 }  // namespace
 
 Method methodFromString(const std::string& name) {
@@ -133,10 +128,8 @@ const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& ray
     impl.walk.begin(rays, extent, options.threads);
     statistics.superRaySeconds = watch.lap();
 
-    const bool dense = method == Method::automatic && rays.hasCommonOrigin() &&
-                       rays.size() > kDenseRaysPerEndCell * impl.walk.endCells();
-    const bool culling = method == Method::culling || method == Method::full ||
-                         (method == Method::automatic && !dense);
+    const bool beams = method == Method::automatic && rays.hasCommonOrigin();
+    const bool culling = method == Method::culling || method == Method::full;
     impl.region.clear();
     if (culling && map != nullptr) {
         const auto saturated = [&](const BlockKey<Dim>& key) {
@@ -150,9 +143,8 @@ const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& ray
 
     if (grouping) {
         impl.walk.walkSuperRays(*superRays, impl.region);
-    } else if (dense) {
-        const bool once = options.policy == UpdatePolicy::oncePerScan;
-        impl.walk.walkDense(map, model.min(), once ? 1 : model.missesToSaturate());
+    } else if (beams) {
+        impl.walk.walkBeams(map, model, options.policy);
     } else {
         impl.walk.walkEach(impl.region);
     }

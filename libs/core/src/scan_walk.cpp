@@ -4,13 +4,8 @@
 #include <exception>
 #include <thread>
 
-#include "ray_frustum.h"
-
 namespace superray {
 namespace {
-
-/// Rays to one end cell that are walked between two looks at their frustum.
-constexpr std::uint32_t kRaysPerLook = 8;
 
 /// Rays that repay a thread.
 constexpr std::size_t kRaysPerShare = 256;
@@ -25,7 +20,7 @@ void mergeInto(WalkState<Dim>& to, const WalkState<Dim>& from) {
         }
     };
     for (std::size_t b = 0; b < from.batch.blockCount(); ++b) {
-        const std::uint32_t block = to.blockNumber(from.batch.key(b));
+        const std::uint32_t block = to.batchBlock(from.batch.key(b));
         add(to.batch.missesOf(block), from.batch.misses(b));
         if (from.batch.hits(b) != nullptr) add(to.batch.hitsOf(block), from.batch.hits(b));
     }
@@ -62,23 +57,25 @@ void ScanWalk<Dim>::begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& ext
     shareCount_ =
         std::max<std::size_t>(1, std::min<std::size_t>(threads, rays.size() / kRaysPerShare));
     if (shares_.size() < shareCount_) shares_.resize(shareCount_);
-    inParallel([&](std::size_t s, Share& share) {
+    inParallel([&](std::size_t, Share& share) {
         share.state.reset(blocks);
-        share.ends.assign(rays, firstRay(s, rays.size()), firstRay(s + 1, rays.size()), blocks);
         share.culled = 0;
     });
 }
 
 template <int Dim>
-std::size_t ScanWalk<Dim>::endCells() const {
-    std::size_t n = 0;
-    for (std::size_t s = 0; s < shareCount_; ++s) n += shares_[s].ends.distinct();
-    return n;
+void ScanWalk<Dim>::countEndCells() {
+    inParallel([&](std::size_t s, Share& share) {
+        share.ends.assign(*rays_, firstRay(s, rays_->size()), firstRay(s + 1, rays_->size()),
+                          share.state.directory.box());
+        share.ends.addHits(share.state);
+    });
 }
 
 template <int Dim>
 void ScanWalk<Dim>::walkSuperRays(const std::vector<SuperRay>& superRays,
                                   const CullingRegion<Dim>& region) {
+    countEndCells();
     inParallel([&](std::size_t s, Share& share) {
         RayWalker<Dim> walker(share.state, *rays_, region);
         const std::size_t end = firstRay(s + 1, superRays.size());
@@ -90,6 +87,7 @@ void ScanWalk<Dim>::walkSuperRays(const std::vector<SuperRay>& superRays,
 
 template <int Dim>
 void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
+    countEndCells();
     const bool culling = !region.empty() && rays_->hasCommonOrigin();
     inParallel([&](std::size_t s, Share& share) {
         if (culling) share.ends.findEnclosed(region);
@@ -106,57 +104,20 @@ void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
 }
 
 template <int Dim>
-void ScanWalk<Dim>::walkDense(const SaturationSource<Dim>* map, float lowerClamp,
-                              std::uint32_t enough) {
-    const CullingRegion<Dim> noRegion;
-    inParallel([&](std::size_t, Share& share) {
-        share.state.countMapSaturation(map, lowerClamp);
-        share.ends.sortByEndCell();
-        const std::vector<std::uint32_t>& starts = share.ends.starts();
-        const std::uint32_t* order = share.ends.order().data();
-        RayWalker<Dim> walker(share.state, *rays_, noRegion);
-        for (std::size_t g = 0; g + 1 < starts.size(); ++g)
-            walkGroup(walker, share, order + starts[g], order + starts[g + 1], enough);
+void ScanWalk<Dim>::walkBeams(const SaturationSource<Dim>* map, const SensorModel& model,
+                              UpdatePolicy policy) {
+    order_.sort(*rays_);
+    inParallel([&](std::size_t s, Share& share) {
+        share.state.countMapSaturation(map, model, policy);
+        share.beams.walk(*rays_, order_.begin(firstRay(s, rays_->size())),
+                         order_.begin(firstRay(s + 1, rays_->size())), share.state);
+        share.culled += share.beams.culled();
     });
-}
-
-/// Walks the rays [begin, end), all to one end cell.
-template <int Dim>
-void ScanWalk<Dim>::walkGroup(RayWalker<Dim>& walker, Share& share, const std::uint32_t* begin,
-                              const std::uint32_t* end, std::uint32_t enough) const {
-    std::vector<RayLine<Dim>>& lines = share.lines;
-    lines.clear();
-    const CellGeometry<Dim>& geometry = rays_->geometry();
-    const Units<Dim> origin = RayLine<Dim>::unitsOf(geometry, rays_->commonOrigin());
-    for (const std::uint32_t* ray = begin; ray != end; ++ray)
-        lines.emplace_back(origin, RayLine<Dim>::unitsOf(geometry, rays_->end(*ray)));
-    RayFrustum<Dim> frustum(lines.front());
-    // Lines of another kind than the first are walked at once, in full.
-    const auto alike =
-        std::partition(lines.begin(), lines.end(),
-                       [&](const RayLine<Dim>& line) { return frustum.include(line); });
-    for (auto line = alike; line != lines.end(); ++line)
-        walker.walk(*line, {0, line->slices()}, 1);
-    lines.erase(alike, lines.end());
-
-    // Evenly spread rays first: ray i, i + strides, i + 2 strides, ...
-    const std::size_t strides = (lines.size() + kRaysPerLook - 1) / kRaysPerLook;
-    walker.flush();
-    SliceRange range = frustum.unsaturated(share.state, enough, {0, frustum.slices()});
-    std::size_t walked = 0;
-    for (std::size_t i = 0; i < strides && !range.empty(); ++i) {
-        for (std::size_t r = i; r < lines.size(); r += strides, ++walked)
-            walker.walk(lines[r], range, 1);
-        walker.flush();
-        range = frustum.unsaturated(share.state, enough, range);
-    }
-    share.culled += lines.size() - walked;
 }
 
 template <int Dim>
 const WalkState<Dim>& ScanWalk<Dim>::finish() {
     for (std::size_t s = 0; s < shareCount_; ++s) {
-        shares_[s].ends.addHits(shares_[s].state);
         if (s > 0) mergeInto(shares_[0].state, shares_[s].state);
     }
     return shares_[0].state;

@@ -5,6 +5,8 @@
 #include <superray/core/culling_region.h>
 #include <superray/core/super_rays.h>
 
+#include "beam_walk.h"
+#include "direction_order.h"
 #include "end_cells.h"
 #include "ray_walker.h"
 #include "scan_extent.h"
@@ -16,12 +18,9 @@ namespace superray {
 template <int Dim>
 class ScanWalk {
  public:
-    /// Begins a scan: shares out the rays and counts their end cells.
+    /// Begins a scan: shares out the rays.
     /// \param rays must live until finish()
     void begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& extent, unsigned threads);
-
-    /// Distinct end cells (of each share, added up).
-    std::size_t endCells() const;
 
     // One of these walks the rays:
 
@@ -33,13 +32,12 @@ class ScanWalk {
     /// region encloses.
     void walkEach(const CullingRegion<Dim>& region);
 
-    /// For scans with many rays per end cell and one origin. Rays to an end
-    /// cell are walked a few at a time, and only in the slices in which their
-    /// frustum still has unsaturated cells: after the first few, none has.
-    /// \param enough misses after which more change nothing
-    void walkDense(const SaturationSource<Dim>* map, float lowerClamp, std::uint32_t enough);
+    /// Every ray, from where its beam has something to tell; see BeamWalk.
+    /// \pre the rays have the common origin
+    void walkBeams(const SaturationSource<Dim>* map, const SensorModel& model,
+                   UpdatePolicy policy);
 
-    /// Adds the hits, and all shares into one. Valid until the next begin().
+    /// Adds all shares into one. Valid until the next begin().
     const WalkState<Dim>& finish();
 
     std::uint64_t culled() const;
@@ -49,7 +47,7 @@ class ScanWalk {
     struct Share {
         WalkState<Dim> state;
         EndCells<Dim> ends;
-        std::vector<RayLine<Dim>> lines;
+        BeamWalk<Dim> beams;
         std::uint64_t culled = 0;
     };
 
@@ -58,10 +56,10 @@ class ScanWalk {
     std::size_t firstRay(std::size_t share, std::size_t rays) const {
         return rays * share / shareCount_;
     }
-    void walkGroup(RayWalker<Dim>& walker, Share& share, const std::uint32_t* begin,
-                   const std::uint32_t* end, std::uint32_t enough) const;
+    void countEndCells();
 
     const RayBundle<Dim>* rays_ = nullptr;
+    DirectionOrder<Dim> order_;
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
 };

@@ -42,6 +42,10 @@ SensorModel::SensorModel(const SensorProbabilities& p) : probabilities_(p) {
     require(min_ < 0, "clampingThresMin", p.clampMin, "log-odds < 0 in float32");
     require(max_ > 0, "clampingThresMax", p.clampMax, "log-odds > 0 in float32");
     missesToSaturate_ = stepsToCross(max_ - min_, -miss_);
+    missesToSaturateUnknown_ = stepsToCross(-min_, -miss_);
+    while (missesToSaturateUnknown_ > 1 &&
+           updated(0, missesToSaturateUnknown_ - 1, 0, UpdatePolicy::everyRay) == min_)
+        --missesToSaturateUnknown_;
     hitsToSaturate_ = stepsToCross(max_ - min_, hit_);
 }
 

@@ -18,11 +18,13 @@ template <int Dim>
 std::uint32_t UpdateBatch<Dim>::addBlock(const BlockKey<Dim>& key) {
     const std::size_t block = keys_.size();
     // Cells are addressed by 32-bit offsets into the miss counts.
-    if (block >= (std::uint64_t{1} << 32) / kCells)
+    if (block + 1 >= (std::uint64_t{1} << 32) / kCells)
         throw std::length_error("scan touches more than 2^32 cells");
     keys_.push_back(key);
     hitSlots_.push_back(-1);
-    misses_.resize(misses_.size() + kCells, 0);
+    if (misses_.capacity() < slot(block + 1) + kSlack)
+        misses_.reserve(2 * (slot(block + 1) + kSlack));
+    misses_.resize(slot(block + 1), 0);
     return static_cast<std::uint32_t>(block);
 }
 
@@ -39,7 +41,7 @@ template <int Dim>
 void UpdateBatch<Dim>::clear() {
     keys_.clear();
     hitSlots_.clear();
-    misses_.clear();
+    misses_.resize(kCells);
     hits_.clear();
 }
 

@@ -3,8 +3,10 @@
 #if defined(__x86_64__)
 #include <immintrin.h>
 
+#include <algorithm>
+#include <cstring>
+
 #define SUPERRAY_TARGET __attribute__((target("avx2")))
-#define SUPERRAY_WALK walkAvx2
 
 namespace superray {
 namespace {
@@ -76,9 +78,33 @@ SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, in
     return out + __builtin_popcount(static_cast<unsigned>(mask));
 }
 
+SUPERRAY_TARGET inline __m256i gatherBytes(const std::uint8_t* base, __m256i offsets) {
+    const auto* b = reinterpret_cast<const int*>(base);
+    const __m256i low = _mm256_cvtepu32_epi64(_mm256_castsi256_si128(offsets));
+    const __m256i high = _mm256_cvtepu32_epi64(_mm256_extracti128_si256(offsets, 1));
+    const __m256i words = _mm256_inserti128_si256(
+        _mm256_castsi128_si256(_mm256_i64gather_epi32(b, low, 1)),
+        _mm256_i64gather_epi32(b, high, 1), 1);
+    return _mm256_and_si256(words, _mm256_set1_epi32(255));
+}
+
 }  // namespace simd
 }  // namespace
 }  // namespace superray
 
 #include "walk_vector.inc"
+#include "saturation_vector.inc"
+#include "line_set_up.inc"
+
+namespace superray {
+
+template <int Dim>
+WalkKernels<Dim> avx2Kernels() {
+    return {walkGroups<Dim>, setUpLines<Dim>, directionBins<Dim>, firstUnsaturated<Dim>};
+}
+
+template WalkKernels<2> avx2Kernels();
+template WalkKernels<3> avx2Kernels();
+
+}  // namespace superray
 #endif

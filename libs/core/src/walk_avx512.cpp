@@ -3,8 +3,10 @@
 #if defined(__x86_64__)
 #include <immintrin.h>
 
-#define SUPERRAY_TARGET __attribute__((target("avx2,avx512f,avx512vl,avx512dq")))
-#define SUPERRAY_WALK walkAvx512
+#include <algorithm>
+#include <cstring>
+
+#define SUPERRAY_TARGET __attribute__((target("avx2,avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
 
 namespace superray {
 namespace {
@@ -49,9 +51,28 @@ SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, in
     return out + __builtin_popcount(static_cast<unsigned>(mask));
 }
 
+SUPERRAY_TARGET inline __m256i gatherBytes(const std::uint8_t* base, __m256i offsets) {
+    const __m256i words = _mm512_i64gather_epi32(_mm512_cvtepu32_epi64(offsets), base, 1);
+    return _mm256_and_si256(words, _mm256_set1_epi32(255));
+}
+
 }  // namespace simd
 }  // namespace
 }  // namespace superray
 
 #include "walk_vector.inc"
+#include "saturation_vector.inc"
+#include "line_set_up.inc"
+
+namespace superray {
+
+template <int Dim>
+WalkKernels<Dim> avx512Kernels() {
+    return {walkGroups<Dim>, setUpLines<Dim>, directionBins<Dim>, firstUnsaturated<Dim>};
+}
+
+template WalkKernels<2> avx512Kernels();
+template WalkKernels<3> avx512Kernels();
+
+}  // namespace superray
 #endif

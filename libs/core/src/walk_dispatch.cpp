@@ -6,20 +6,20 @@
 namespace superray {
 
 template <int Dim>
-WalkKernel<Dim> bestWalkKernel() {
+WalkKernels<Dim> bestKernels() {
 #if defined(__x86_64__)
     const char* asked = std::getenv("SUPERRAY_INSTRUCTION_SET");
     const std::string limit = asked != nullptr ? asked : "";
-    if (limit == "portable") return walkPortable<Dim>;
+    if (limit == "portable") return portableKernels<Dim>();
     if (limit != "avx2" && __builtin_cpu_supports("avx512f") &&
         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
-        return walkAvx512<Dim>;
-    if (__builtin_cpu_supports("avx2")) return walkAvx2<Dim>;
+        return avx512Kernels<Dim>();
+    if (__builtin_cpu_supports("avx2")) return avx2Kernels<Dim>();
 #endif
-    return walkPortable<Dim>;
+    return portableKernels<Dim>();
 }
 
-template WalkKernel<2> bestWalkKernel();
-template WalkKernel<3> bestWalkKernel();
+template WalkKernels<2> bestKernels();
+template WalkKernels<3> bestKernels();
 
 }  // namespace superray

@@ -6,8 +6,11 @@
 #include <superray/core/traversal.h>
 #include <superray/core/update_batch.h>
 
+#include "beam.h"
 #include "block_directory.h"
 
+#include <algorithm>
+#include <cstring>
 #include <vector>
 
 namespace superray {
@@ -39,7 +42,9 @@ class AddressBuffer {
 /// into the batch's miss counts) to `addresses`; flush() counts them.
 template <int Dim>
 struct WalkState {
-    BlockDirectory<Dim> directory;  // block -> 1 + batch block
+    /// Block -> where its counts are: offset / kBlockCells + 1 (bits 0..30).
+    /// Number 1 is that of blocks without counts of their own.
+    BlockDirectory<Dim> directory;
     UpdateBatch<Dim> batch;
     AddressBuffer addresses;
     std::uint64_t traversed = 0;
@@ -52,20 +57,44 @@ struct WalkState {
     }
     /// From now on, new blocks start with the greatest count where the map is
     /// saturated free: more misses change nothing there, and a count tells both
-    /// what the map and what this scan has saturated.
+    /// what the map and what this scan has saturated. Blocks that are saturated
+    /// as a whole get no counts of their own.
     /// \param map nullptr: none; must outlive the scan
-    void countMapSaturation(const SaturationSource<Dim>* map, float lowerClamp) {
+    void countMapSaturation(const SaturationSource<Dim>* map, const SensorModel& model,
+                            UpdatePolicy policy) {
         map_ = map;
-        lowerClamp_ = lowerClamp;
+        lowerClamp_ = model.min();
+        const bool once = policy == UpdatePolicy::oncePerScan;
+        enough = once ? 1 : model.missesToSaturate();
+        enoughUnknown = once ? 1 : model.missesToSaturateUnknown();
     }
-    /// Misses of a cell counted so far (after flush()).
-    std::uint32_t misses(const Cell<Dim>& cell) {
-        return batch.missesOf(blockNumber(blockOf<Dim>(cell)))[indexInBlock<Dim>(cell)];
-    }
-    /// Batch block of a block, made on first use.
-    std::uint32_t blockNumber(const BlockKey<Dim>& key) {
+    /// Misses beyond which more change nothing, in blocks whose number has the
+    /// flag kMayExceedUnknown and in others.
+    static constexpr std::uint32_t kMayExceedUnknown = std::uint32_t{1} << 31;
+    std::uint32_t enough = 0, enoughUnknown = 0;
+
+    /// Offset of a block's miss counts in the arena; the block is made on first use.
+    std::uint32_t offsetOf(const BlockKey<Dim>& key) { return offset(numberOf(key)); }
+    /// The block's number in the directory, made on first use.
+    std::uint32_t numberOf(const BlockKey<Dim>& key) {
         const std::uint32_t n = directory.number(key);
-        return n != 0 ? n - 1 : makeBlock(key);
+        return n != 0 ? n : makeBlock(key);
+    }
+    /// Offset of the counts that a directory number stands for (the flag drops
+    /// out of the product). \pre number != 0
+    static std::uint32_t offset(std::uint32_t number) {
+        return (number - 1) * static_cast<std::uint32_t>(kBlockCells<Dim>);
+    }
+    /// Batch block of a block, which gets counts of its own if it had none.
+    std::uint32_t batchBlock(const BlockKey<Dim>& key) {
+        std::uint32_t n = numberOf(key) & ~kMayExceedUnknown;
+        if (n == kNoCounts) {
+            const std::uint32_t block = batch.addBlock(key);
+            std::uint8_t* counts = batch.missesOf(block);
+            std::fill(counts, counts + kBlockCells<Dim>, std::uint8_t{UpdateBatch<Dim>::kMaxCount});
+            directory.setNumber(key, n = block + kFirstBlock);
+        }
+        return n - kFirstBlock;
     }
     /// Adds `weight` to every address and forgets them.
     void flush(std::uint32_t weight) {
@@ -88,20 +117,38 @@ struct WalkState {
         constexpr std::uint32_t kMax = UpdateBatch<Dim>::kMaxCount;
         return static_cast<std::uint8_t>(weight > kMax - count ? kMax : count + weight);
     }
-    std::uint32_t makeBlock(const BlockKey<Dim>& key) {
-        const std::uint32_t block = batch.addBlock(key);
-        directory.setNumber(key, block + 1);
-        if (map_ != nullptr) {
-            if (const BlockMask<Dim>* saturated = map_->saturatedFree(key, lowerClamp_)) {
-                std::uint8_t* counts = batch.missesOf(block);
-                for (int i = 0; i < kBlockCells<Dim>; ++i)
-                    if (saturated->test(i)) counts[i] = UpdateBatch<Dim>::kMaxCount;
-            }
-        }
-        return block;
-    }
 
  private:
+    static constexpr std::uint32_t kNoCounts = 1, kFirstBlock = 2;
+
+    std::uint32_t makeBlock(const BlockKey<Dim>& key) {
+        BlockSaturation<Dim> before;
+        if (map_ != nullptr) before = map_->saturation(key, lowerClamp_);
+        if (before.saturatedFree != nullptr && before.saturatedFree->all()) {
+            directory.setNumber(key, kNoCounts);
+            return kNoCounts;
+        }
+        const std::uint32_t block = batch.addBlock(key);
+        if (before.saturatedFree != nullptr) {
+            std::uint8_t* counts = batch.missesOf(block);
+            for (int row = 0; row < kBlockCells<Dim> / 8; ++row)
+                spreadBits(before.saturatedFree->words[row / 8] >> (8 * (row % 8)), counts + 8 * row);
+        }
+        const std::uint32_t number =
+            (block + kFirstBlock) | (before.mayExceedUnknown ? kMayExceedUnknown : 0);
+        directory.setNumber(key, number);
+        return number;
+    }
+    /// Bytes of 255 where the low 8 bits are set.
+    static void spreadBits(std::uint64_t bits, std::uint8_t* bytes) {
+        constexpr std::uint64_t kEach = 0x0101010101010101;
+        // Bit i to byte i, then any set bit of a byte to all of its bits.
+        const std::uint64_t one = ((bits & 0xFF) * kEach & 0x8040201008040201);
+        const std::uint64_t set = ((one + 0x7F7F7F7F7F7F7F7F) | one) >> 7 & kEach;
+        const std::uint64_t all = set * 255;
+        std::memcpy(bytes, &all, sizeof all);
+    }
+
     const SaturationSource<Dim>* map_ = nullptr;
     float lowerClamp_ = 0;
 };
@@ -112,22 +159,38 @@ template <int Dim>
 using WalkKernel = void (*)(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
                             std::int32_t to);
 
-/// The portable kernel; also serves directories that are not dense.
+/// First slice in [from, to) in which a beam may visit a cell for which more
+/// misses matter; `to` if there is none. \pre from < to
+template <int Dim>
+using FirstUnsaturated = std::int32_t (*)(WalkState<Dim>& state, const Beam<Dim>& beam,
+                                          std::int32_t from, std::int32_t to);
+
+/// What exists per instruction set.
+template <int Dim>
+struct WalkKernels {
+    WalkKernel<Dim> walk;
+    LineSetUp<Dim> setUp;
+    DirectionBins<Dim> directionBins;
+    FirstUnsaturated<Dim> firstUnsaturated;
+};
+
+/// The portable kernels; also serve directories that are not dense.
 template <int Dim>
 void walkPortable(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
                   std::int32_t to);
+template <int Dim>
+WalkKernels<Dim> portableKernels();
 
-/// 8 slices at once; need a dense directory and the processor for it.
+/// 8 slices (rays) at once; walks need a dense directory.
+/// \pre the processor has the instructions
 template <int Dim>
-void walkAvx2(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
-              std::int32_t to);
+WalkKernels<Dim> avx2Kernels();
 template <int Dim>
-void walkAvx512(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
-                std::int32_t to);
+WalkKernels<Dim> avx512Kernels();
 
-/// The fastest kernel of this processor. The environment variable
-/// SUPERRAY_INSTRUCTION_SET = portable | avx2 | avx512 asks for a lesser one.
+/// The fastest kernels of this processor. The environment variable
+/// SUPERRAY_INSTRUCTION_SET = portable | avx2 | avx512 asks for lesser ones.
 template <int Dim>
-WalkKernel<Dim> bestWalkKernel();
+WalkKernels<Dim> bestKernels();
 
 }  // namespace superray

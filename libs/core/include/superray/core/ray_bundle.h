@@ -4,8 +4,10 @@
 
 #include <superray/core/cell.h>
 
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -41,7 +43,35 @@ struct RangeLimits {
     void validate() const;
 };
 
+/// An array of doubles that grows without being filled with zeros first.
+class Coordinates {
+ public:
+    Coordinates() = default;
+    Coordinates(const Coordinates& o);
+    Coordinates(Coordinates&&) noexcept = default;
+    Coordinates& operator=(Coordinates o) noexcept {
+        values_.swap(o.values_);
+        std::swap(size_, o.size_);
+        std::swap(capacity_, o.capacity_);
+        return *this;
+    }
+    std::size_t size() const { return size_; }
+    const double* data() const { return values_.get(); }
+    double operator[](std::size_t i) const { return values_[i]; }
+    void reserve(std::size_t n);
+    void push(double v) {
+        if (size_ == capacity_) reserve(2 * size_ + 1024);
+        values_[size_++] = v;
+    }
+    void clear() { size_ = 0; }
+
+ private:
+    std::unique_ptr<double[]> values_;
+    std::size_t size_ = 0, capacity_ = 0;
+};
+
 /// Rays of one scan. All have one origin unless given per ray (de-skewing).
+/// Coordinates are kept axis by axis, as the vector units want them.
 template <int Dim>
 class RayBundle {
  public:
@@ -51,9 +81,18 @@ class RayBundle {
     RayBundle(const CellGeometry<Dim>& geometry, const Point<Dim>& origin,
               const RangeLimits& limits = {});
 
+    /// Begins another scan; keeps the memory. \throws as the constructor, and
+    /// leaves the bundle as it was
+    void restart(const Point<Dim>& origin);
+
     /// Adds a ray from the common origin. A bad point is skipped and counted.
     /// A hit beyond the maximum range becomes an open ray cut there.
-    void add(const Point<Dim>& end, RayEnd kind = RayEnd::hit) { addRay(origin_, end, kind); }
+    void add(const Point<Dim>& end, RayEnd kind = RayEnd::hit) {
+        if (unlimited_ && geometry_.contains(end))
+            push(end, kind);
+        else
+            addRay(origin_, end, kind);
+    }
 
     /// Adds a ray with its own origin [m, map frame].
     void add(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind);
@@ -61,25 +100,47 @@ class RayBundle {
     void reserve(std::size_t n);
 
     const CellGeometry<Dim>& geometry() const { return geometry_; }
-    std::size_t size() const { return ends_.size(); }
-    bool empty() const { return ends_.empty(); }
+    std::size_t size() const { return kinds_.size(); }
+    bool empty() const { return kinds_.empty(); }
     const Point<Dim>& origin(std::size_t i) const {
         return origins_.empty() ? origin_ : origins_[i];
     }
-    const Point<Dim>& end(std::size_t i) const { return ends_[i]; }
+    Point<Dim> end(std::size_t i) const {
+        Point<Dim> p;
+        for (int a = 0; a < Dim; ++a) p[a] = ends_[a][i];
+        return p;
+    }
+    /// Coordinates of all end points along one axis [m].
+    const double* ends(int axis) const { return ends_[axis].data(); }
     RayEnd kind(std::size_t i) const { return kinds_[i]; }
+    const RayEnd* kinds() const { return kinds_.data(); }
     /// True if all rays start at commonOrigin().
     bool hasCommonOrigin() const { return origins_.empty(); }
     const Point<Dim>& commonOrigin() const { return origin_; }
     const SkippedPoints& skipped() const { return skipped_; }
+    /// Bounds of all origins and end points [m]. \pre !empty()
+    const Point<Dim>& lowest() const { return lowest_; }
+    const Point<Dim>& highest() const { return highest_; }
 
  private:
     void addRay(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind);
+    void push(const Point<Dim>& end, RayEnd kind) {
+        for (int a = 0; a < Dim; ++a) ends_[a].push(end[a]);
+        kinds_.push_back(kind);
+        include(end);
+    }
+    void include(const Point<Dim>& p) {
+        for (int a = 0; a < Dim; ++a) {
+            lowest_[a] = p[a] < lowest_[a] ? p[a] : lowest_[a];
+            highest_[a] = p[a] > highest_[a] ? p[a] : highest_[a];
+        }
+    }
 
     CellGeometry<Dim> geometry_;
-    Point<Dim> origin_;
+    Point<Dim> origin_, lowest_, highest_;
     RangeLimits limits_;
-    std::vector<Point<Dim>> ends_;
+    bool unlimited_;
+    std::array<Coordinates, static_cast<std::size_t>(Dim)> ends_;
     std::vector<RayEnd> kinds_;
     std::vector<Point<Dim>> origins_;  // empty: all start at origin_
     SkippedPoints skipped_;

@@ -52,6 +52,7 @@ struct RayLine {
     Units<Dim> slope{};  ///< units per slice, 0 .. 2^31
     Units<Dim> exit0{};  ///< units on leaving slice 0
 
+    RayLine() = default;
     /// \param from,to in units (toUnits)
     RayLine(const Units<Dim>& from, const Units<Dim>& to);
     /// \pre geometry.contains(origin) && geometry.contains(end)

@@ -50,11 +50,24 @@ struct ScanStatistics {
     ScanStatistics& operator+=(const ScanStatistics& o);
 };
 
+/// What a map tells of a block before a scan.
+template <int Dim>
+struct BlockSaturation {
+    const BlockMask<Dim>* saturatedFree = nullptr;  ///< as SaturationSource::saturatedFree()
+    /// False only if no cell has log-odds above 0: then the misses that take
+    /// an unknown cell to the lower clamp take every cell there.
+    bool mayExceedUnknown = false;
+};
+
 /// What the engine asks of a map: which cells are saturated free.
 template <int Dim>
 class SaturationSource {
  public:
     virtual ~SaturationSource() = default;
+    /// All that is known of a block, in one look-up.
+    virtual BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float lowerClamp) const {
+        return {saturatedFree(key, lowerClamp), true};
+    }
     /// Cells of the block whose log-odds are at the lower clamp `lowerClamp`;
     /// nullptr if none. Valid until the map changes.
     virtual const BlockMask<Dim>* saturatedFree(const BlockKey<Dim>& key,

@@ -41,6 +41,8 @@ class SensorModel {
 
     /// Fewest misses that take any value to l_min: more change nothing.
     std::uint32_t missesToSaturate() const { return missesToSaturate_; }
+    /// Fewest misses that take an unknown cell, or any value <= 0, to l_min.
+    std::uint32_t missesToSaturateUnknown() const { return missesToSaturateUnknown_; }
     /// Fewest hits that take any value to l_max.
     std::uint32_t hitsToSaturate() const { return hitsToSaturate_; }
 
@@ -66,7 +68,7 @@ class SensorModel {
  private:
     SensorProbabilities probabilities_;
     float hit_, miss_, min_, max_, occupied_;
-    std::uint32_t missesToSaturate_, hitsToSaturate_;
+    std::uint32_t missesToSaturate_, missesToSaturateUnknown_, hitsToSaturate_;
 };
 
 /// log(p / (1 - p)) in float32, as OctoMap computes it.

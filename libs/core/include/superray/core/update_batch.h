@@ -37,20 +37,24 @@ class UpdateBatch {
     /// Zero-initialised hit counts of a block, made on first use.
     std::uint8_t* hitsOf(std::uint32_t block);
     std::uint8_t* missesOf(std::uint32_t block) { return misses_.data() + slot(block); }
+    /// All miss counts, for walks: first those of no block, which are all
+    /// kMaxCount (misses of blocks that need none go there), then block by block.
     std::uint8_t* missArena() { return misses_.data(); }
     /// Forgets all blocks; keeps the memory.
     void clear();
     std::size_t memoryBytes() const;
 
  private:
-    static std::size_t slot(std::size_t block) { return block * kCells; }
+    /// Vector loads of counts may read so many bytes beyond.
+    static constexpr std::size_t kSlack = 4;
+    static std::size_t slot(std::size_t block) { return (block + 1) * kCells; }
     std::size_t hitSlot(std::size_t block) const {
         return static_cast<std::size_t>(hitSlots_[block]) * kCells;
     }
 
     std::vector<BlockKey<Dim>> keys_;
     std::vector<std::int32_t> hitSlots_;  // -1: none
-    std::vector<std::uint8_t> misses_, hits_;
+    std::vector<std::uint8_t> misses_ = std::vector<std::uint8_t>(kCells, 255), hits_;
 };
 
 extern template class UpdateBatch<2>;
