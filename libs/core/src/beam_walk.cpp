@@ -20,6 +20,7 @@ void BeamWalk<Dim>::walk(const RayBundle<Dim>& rays, const std::uint32_t* begin,
     static const WalkKernels<Dim> portable = portableKernels<Dim>();
     kernels_ = state.directory.dense() ? bestKernels<Dim>() : portable;
     culled_ = 0;
+    addHits(rays, begin, end, state);
     lines_.origin = RayLine<Dim>::unitsOf(rays.geometry(), rays.commonOrigin());
     while (begin < end) {
         const std::size_t count =
@@ -28,10 +29,8 @@ void BeamWalk<Dim>::walk(const RayBundle<Dim>& rays, const std::uint32_t* begin,
             const double* ends = rays.ends(a);
             for (std::size_t i = 0; i < count; ++i) lines_.end[a][i] = ends[begin[i]];
         }
-        for (std::size_t i = 0; i < count; ++i) kinds_[i] = rays.kinds()[begin[i]];
         lines_.count = count;
         kernels_.setUp(rays.geometry(), lines_);
-        addHits(state);
         for (std::size_t from = 0; from < count;) {
             std::size_t to = from + 1;
             while (to < count && to - from < kBeamRays && lines_.kind[to] == lines_.kind[from])
@@ -75,13 +74,13 @@ void BeamWalk<Dim>::walkRay(std::size_t i, std::int32_t from, WalkState<Dim>& st
 }
 
 template <int Dim>
-void BeamWalk<Dim>::addHits(WalkState<Dim>& state) {
+void BeamWalk<Dim>::addHits(const RayBundle<Dim>& rays, const std::uint32_t* begin,
+                            const std::uint32_t* end, WalkState<Dim>& state) {
     BlockKey<Dim> current{};
     std::uint8_t* hits = nullptr;  // consecutive points often share a block
-    for (std::size_t i = 0; i < lines_.count; ++i) {
-        if (kinds_[i] != RayEnd::hit) continue;
-        Cell<Dim> cell;
-        for (int a = 0; a < Dim; ++a) cell[a] = lines_.last[a][i] ^ lines_.flip(i, a);
+    for (const std::uint32_t* i = begin; i != end; ++i) {
+        if (rays.kinds()[*i] != RayEnd::hit) continue;
+        const Cell<Dim> cell = rays.geometry().cellOf(rays.end(*i));
         const BlockKey<Dim> key = blockOf<Dim>(cell);
         if (hits == nullptr || key != current) {
             hits = state.batch.hitsOf(state.batchBlock(key));
@@ -90,6 +89,7 @@ void BeamWalk<Dim>::addHits(WalkState<Dim>& state) {
         std::uint8_t& count = hits[indexInBlock<Dim>(cell)];
         count = static_cast<std::uint8_t>(count + (count != 255));
     }
+    state.forgetMissesOfSureHits();
 }
 
 template class BeamWalk<2>;

@@ -25,11 +25,11 @@ class BeamWalk {
  private:
     void walkBeam(std::size_t from, std::size_t to, WalkState<Dim>& state);
     void walkRay(std::size_t i, std::int32_t from, WalkState<Dim>& state);
-    void addHits(WalkState<Dim>& state);
+    void addHits(const RayBundle<Dim>& rays, const std::uint32_t* begin,
+                 const std::uint32_t* end, WalkState<Dim>& state);
 
     WalkKernels<Dim> kernels_;
     LineBatch<Dim> lines_;
-    RayEnd kinds_[LineBatch<Dim>::kSize];
     std::uint64_t culled_ = 0;
 };
 

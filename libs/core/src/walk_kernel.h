@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 namespace superray {
@@ -67,6 +68,19 @@ struct WalkState {
         const bool once = policy == UpdatePolicy::oncePerScan;
         enough = once ? 1 : model.missesToSaturate();
         enoughUnknown = once ? 1 : model.missesToSaturateUnknown();
+        sureHits_ = once ? 1 : model.hitsToSaturate();
+    }
+    /// Cells with so many hits that their misses do not matter (they end up at
+    /// the upper clamp; with oncePerScan a hit is enough) get the greatest miss
+    /// count, so that no walk need bother. \pre all hits are counted
+    void forgetMissesOfSureHits() {
+        for (std::uint32_t b = 0; b < batch.blockCount(); ++b) {
+            const std::uint8_t* hits = std::as_const(batch).hits(b);
+            if (hits == nullptr) continue;
+            std::uint8_t* misses = batch.missesOf(b);
+            for (int i = 0; i < kBlockCells<Dim>; ++i)
+                misses[i] = hits[i] >= sureHits_ ? std::uint8_t{255} : misses[i];
+        }
     }
     /// Misses beyond which more change nothing, in blocks whose number has the
     /// flag kMayExceedUnknown and in others.
@@ -151,6 +165,7 @@ struct WalkState {
 
     const SaturationSource<Dim>* map_ = nullptr;
     float lowerClamp_ = 0;
+    std::uint32_t sureHits_ = 0;
 };
 
 /// Appends the free cells of a ray in the slices [from, to).
