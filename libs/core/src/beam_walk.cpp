@@ -3,93 +3,105 @@
 namespace superray {
 namespace {
 
-/// Rays of a beam: enough to repay looking ahead of them.
-std::size_t kBeamRays = getenv("BR") ? atoi(getenv("BR")) : 16;
+/// Rays of a beam that are walked between two looks ahead: one vector's worth.
+constexpr std::size_t kRaysPerLook = 8;
 
-/// Rays walked between two looks ahead.
-std::size_t kRaysPerLook = getenv("RPL") ? atoi(getenv("RPL")) : 6;
+std::size_t stridesOf(std::size_t rays) {
+    return (rays + kRaysPerLook - 1) / kRaysPerLook;
+}
 
 }  // namespace
 
 template <int Dim>
-BeamWalk<Dim>::BeamWalk() : kernels_(bestKernels<Dim>()) {}
-
-template <int Dim>
-void BeamWalk<Dim>::walk(const RayBundle<Dim>& rays, const std::uint32_t* begin,
-                         const std::uint32_t* end, WalkState<Dim>& state) {
-    static const WalkKernels<Dim> portable = portableKernels<Dim>();
-    kernels_ = state.directory.dense() ? bestKernels<Dim>() : portable;
+void BeamWalk<Dim>::walk(const RayBundle<Dim>& rays, const BeamFinder<Dim>& finder,
+                         std::size_t begin, std::size_t end, WalkState<Dim>& state) {
+    static const WalkKernels<Dim> best = bestKernels<Dim>(), portable = portableKernels<Dim>();
+    kernels_ = state.directory.dense() ? best : portable;
+    rays_ = &rays;
+    finder_ = &finder;
+    state_ = &state;
     culled_ = 0;
-    addHits(rays, begin, end, state);
+    if (begin == end) return;
+    const std::vector<BeamRays<Dim>>& beams = finder.beams();
+    addHits(beams[begin].begin, beams[end - 1].end);
     lines_.origin = RayLine<Dim>::unitsOf(rays.geometry(), rays.commonOrigin());
-    while (begin < end) {
-        const std::size_t count =
-            std::min(static_cast<std::size_t>(end - begin), LineBatch<Dim>::kSize);
-        for (int a = 0; a < Dim; ++a) {
-            const double* ends = rays.ends(a);
-            for (std::size_t i = 0; i < count; ++i) lines_.end[a][i] = ends[begin[i]];
+
+    // First some rays of each beam: evenly spread ones, for these saturate the
+    // most. Then, where that was not enough, the others.
+    open_.clear();
+    for (std::size_t b = begin; b < end; ++b) {
+        BeamRays<Dim> beam = beams[b];
+        beam.slice = lookAhead(beam);
+        if (beam.slice < 0) {
+            culled_ += beam.end - beam.begin;
+            continue;
         }
-        lines_.count = count;
-        kernels_.setUp(rays.geometry(), lines_);
-        for (std::size_t from = 0; from < count;) {
-            std::size_t to = from + 1;
-            while (to < count && to - from < kBeamRays && lines_.kind[to] == lines_.kind[from])
-                ++to;
-            walkBeam(from, to, state);
-            from = to;
+        const std::size_t strides = stridesOf(beam.end - beam.begin);
+        walkRays(beam, 0, strides);
+        if (strides > 1) open_.push_back(beam);
+    }
+    for (BeamRays<Dim>& beam : open_) {
+        const std::size_t strides = stridesOf(beam.end - beam.begin);
+        for (std::size_t s = 1; s < strides; ++s) {
+            beam.slice = lookAhead(beam);
+            if (beam.slice < 0) {
+                culled_ += (beam.end - beam.begin) / strides * (strides - s);
+                break;
+            }
+            walkRays(beam, s, strides);
         }
-        begin += count;
     }
     state.flush(1);
 }
 
+/// First slice, from beam.slice on, that has something to tell; -1 if none.
 template <int Dim>
-void BeamWalk<Dim>::walkBeam(std::size_t from, std::size_t to, WalkState<Dim>& state) {
-    const Beam<Dim> beam(lines_, from, to);
-    // Evenly spread rays first: ray i, i + strides, i + 2 strides, ...
-    const std::size_t rays = to - from;
-    const std::size_t strides = (rays + kRaysPerLook - 1) / kRaysPerLook;
-    std::int32_t slice = 0;
-    std::size_t walked = 0;
-    for (std::size_t s = 0; s < strides; ++s) {
-        state.flush(1);
-        slice = kernels_.firstUnsaturated(state, beam, slice, beam.slices);
-        if (slice == beam.slices) break;
-        for (std::size_t i = from + s; i < to; i += strides, ++walked) walkRay(i, slice, state);
+std::int32_t BeamWalk<Dim>::lookAhead(const BeamRays<Dim>& rays) {
+    if (rays.kind == RayDirections<Dim>::kLone) return 0;
+    state_->flush(1);
+    const Beam<Dim> beam(rays, lines_.origin);
+    const std::int32_t slice =
+        kernels_.firstUnsaturated(*state_, beam, rays.slice, beam.slices);
+    return slice == beam.slices ? -1 : slice;
+}
+
+/// Walks every stride-th ray of the beam, from beam.slice on.
+template <int Dim>
+void BeamWalk<Dim>::walkRays(const BeamRays<Dim>& beam, std::size_t first,
+                             std::size_t stride) {
+    lines_.count = 0;
+    for (std::size_t i = beam.begin + first; i < beam.end; i += stride, ++lines_.count) {
+        const std::uint32_t ray = finder_->ray(i);
+        for (int a = 0; a < Dim; ++a) lines_.end[a][lines_.count] = rays_->ends(a)[ray];
     }
-    culled_ += rays - walked;
+    kernels_.setUp(rays_->geometry(), lines_);
+    culled_ += beam.slice > 0 ? lines_.count : 0;
+    for (std::size_t i = 0; i < lines_.count; ++i) {
+        const RayLine<Dim> line = lines_.line(i);
+        const std::int32_t slices = line.slices();
+        if (beam.slice >= slices) continue;
+        state_->addresses.reserveMore(static_cast<std::size_t>(line.steps()));
+        kernels_.walk(*state_, line, beam.slice, slices);
+    }
 }
 
 template <int Dim>
-void BeamWalk<Dim>::walkRay(std::size_t i, std::int32_t from, WalkState<Dim>& state) {
-    const RayLine<Dim> line = lines_.line(i);
-    const std::int32_t slices = line.slices();
-    if (from >= slices) {
-        ++culled_;
-        return;
-    }
-    culled_ += from > 0;
-    state.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
-    kernels_.walk(state, line, from, slices);
-}
-
-template <int Dim>
-void BeamWalk<Dim>::addHits(const RayBundle<Dim>& rays, const std::uint32_t* begin,
-                            const std::uint32_t* end, WalkState<Dim>& state) {
+void BeamWalk<Dim>::addHits(std::size_t begin, std::size_t end) {
     BlockKey<Dim> current{};
     std::uint8_t* hits = nullptr;  // consecutive points often share a block
-    for (const std::uint32_t* i = begin; i != end; ++i) {
-        if (rays.kinds()[*i] != RayEnd::hit) continue;
-        const Cell<Dim> cell = rays.geometry().cellOf(rays.end(*i));
+    for (std::size_t i = begin; i < end; ++i) {
+        const std::uint32_t ray = finder_->ray(i);
+        if (rays_->kinds()[ray] != RayEnd::hit) continue;
+        const Cell<Dim> cell = rays_->geometry().cellOf(rays_->end(ray));
         const BlockKey<Dim> key = blockOf<Dim>(cell);
         if (hits == nullptr || key != current) {
-            hits = state.batch.hitsOf(state.batchBlock(key));
+            hits = state_->batch.hitsOf(state_->batchBlock(key));
             current = key;
         }
         std::uint8_t& count = hits[indexInBlock<Dim>(cell)];
         count = static_cast<std::uint8_t>(count + (count != 255));
     }
-    state.forgetMissesOfSureHits();
+    state_->forgetMissesOfSureHits();
 }
 
 template class BeamWalk<2>;

@@ -44,14 +44,4 @@ struct LineBatch {
 template <int Dim>
 using LineSetUp = void (*)(const CellGeometry<Dim>& geometry, LineBatch<Dim>& lines);
 
-/// Per ray, the number of the bin that its direction falls into: `bins` per
-/// minor axis, for each dominant axis and each combination of signs. Rays from
-/// the common origin. Rounding may put a ray into the neighbouring bin.
-template <int Dim>
-using DirectionBins = void (*)(const RayBundle<Dim>& rays, int bins, std::uint32_t* out);
-template <int Dim>
-constexpr int directionBinCount(int bins) {
-    return Dim == 2 ? 8 * bins : 24 * bins * bins;
-}
-
 }  // namespace superray

@@ -106,11 +106,12 @@ void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
 template <int Dim>
 void ScanWalk<Dim>::walkBeams(const SaturationSource<Dim>* map, const SensorModel& model,
                               UpdatePolicy policy) {
-    order_.sort(*rays_);
+    finder_.find(*rays_);
     inParallel([&](std::size_t s, Share& share) {
         share.state.countMapSaturation(map, model, policy);
-        share.beams.walk(*rays_, order_.begin(firstRay(s, rays_->size())),
-                         order_.begin(firstRay(s + 1, rays_->size())), share.state);
+        const std::size_t beams = finder_.beams().size();
+        share.beams.walk(*rays_, finder_, firstRay(s, beams), firstRay(s + 1, beams),
+                         share.state);
         share.culled += share.beams.culled();
     });
 }

@@ -6,7 +6,6 @@
 #include <superray/core/super_rays.h>
 
 #include "beam_walk.h"
-#include "direction_order.h"
 #include "end_cells.h"
 #include "ray_walker.h"
 #include "scan_extent.h"
@@ -59,7 +58,7 @@ class ScanWalk {
     void countEndCells();
 
     const RayBundle<Dim>* rays_ = nullptr;
-    DirectionOrder<Dim> order_;
+    BeamFinder<Dim> finder_;
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
 };

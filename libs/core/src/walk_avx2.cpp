@@ -100,7 +100,7 @@ namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx2Kernels() {
-    return {walkGroups<Dim>, setUpLines<Dim>, directionBins<Dim>, firstUnsaturated<Dim>};
+    return {walkGroups<Dim>, setUpLines<Dim>, findDirections<Dim>, firstUnsaturated<Dim>};
 }
 
 template WalkKernels<2> avx2Kernels();

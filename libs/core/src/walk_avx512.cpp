@@ -68,7 +68,7 @@ namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx512Kernels() {
-    return {walkGroups<Dim>, setUpLines<Dim>, directionBins<Dim>, firstUnsaturated<Dim>};
+    return {walkGroups<Dim>, setUpLines<Dim>, findDirections<Dim>, firstUnsaturated<Dim>};
 }
 
 template WalkKernels<2> avx512Kernels();

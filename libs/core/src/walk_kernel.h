@@ -8,6 +8,8 @@
 
 #include "beam.h"
 #include "block_directory.h"
+#include "line_batch.h"
+#include "ray_directions.h"
 
 #include <algorithm>
 #include <cstring>
@@ -185,7 +187,7 @@ template <int Dim>
 struct WalkKernels {
     WalkKernel<Dim> walk;
     LineSetUp<Dim> setUp;
-    DirectionBins<Dim> directionBins;
+    FindDirections<Dim> findDirections;
     FirstUnsaturated<Dim> firstUnsaturated;
 };
 

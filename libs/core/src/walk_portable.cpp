@@ -64,7 +64,7 @@ std::int32_t firstUnsaturated(WalkState<Dim>& state, const Beam<Dim>& beam, std:
 
 template <int Dim>
 WalkKernels<Dim> portableKernels() {
-    return {walkPortable<Dim>, setUpLines<Dim>, directionBins<Dim>, firstUnsaturated<Dim>};
+    return {walkPortable<Dim>, setUpLines<Dim>, findDirections<Dim>, firstUnsaturated<Dim>};
 }
 
 template void walkPortable(WalkState<2>&, const RayLine<2>&, std::int32_t, std::int32_t);

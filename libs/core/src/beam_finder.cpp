@@ -1,0 +1,115 @@
+#include "beam_finder.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "walk_kernel.h"
+
+namespace superray {
+namespace {
+
+/// Width of a beam at the end of a typical ray [cells].
+double kWidth = getenv("BINC") ? atof(getenv("BINC")) : 2.0;
+std::size_t kMostRays = getenv("BR") ? atoi(getenv("BR")) : 64;
+/// Rays per beam that make sorting not worth while.
+double kGoodOrder = getenv("GO") ? atof(getenv("GO")) : 24;
+/// Bins that one ray repays (clearing and adding up).
+constexpr double kBinsPerRay = 4;
+
+template <int Dim>
+double typicalLength(const RayDirections<Dim>& directions) {
+    const std::size_t rays = directions.kind.size(), step = rays / 256 + 1;
+    double sum = 0;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < rays; i += step, ++n)
+        sum += static_cast<double>(directions.length[i]);
+    return sum / static_cast<double>(n);
+}
+
+}  // namespace
+
+template <int Dim>
+void BeamFinder<Dim>::find(const RayBundle<Dim>& rays) {
+    static const FindDirections<Dim> findDirections = bestKernels<Dim>().findDirections;
+    directions_.resize(rays.size());
+    findDirections(rays, directions_);
+    const double width = kWidth / std::max(typicalLength(directions_), kWidth);
+    sorted_ = false;
+    gather(directions_, static_cast<float>(width));
+    const auto count = static_cast<double>(rays.size());
+    if (count >= kGoodOrder * static_cast<double>(beams_.size())) return;
+
+    const double affordable = kBinsPerRay * count;
+    const double most = Dim == 2 ? affordable / 32 : std::sqrt(affordable / 32);
+    sort(std::max(1, static_cast<int>(std::min(1 / width, most))));
+    gather(sortedDirections_, static_cast<float>(1.5 * width));
+}
+
+/// Makes beams of consecutive rays.
+template <int Dim>
+void BeamFinder<Dim>::gather(const RayDirections<Dim>& d, float widest) {
+    beams_.clear();
+    const auto count = static_cast<std::uint32_t>(d.kind.size());
+    for (std::uint32_t i = 0; i < count;) {
+        BeamRays<Dim> beam{i, i + 1, d.kind[i], d.length[i], {}, {}};
+        for (int m = 0; m < Dim - 1; ++m) beam.low[m] = beam.high[m] = d.slope[m][i];
+        const auto most = std::min<std::size_t>(count, i + kMostRays);
+        if (beam.kind != RayDirections<Dim>::kLone) {
+            for (; beam.end < most && d.kind[beam.end] == beam.kind; ++beam.end) {
+                float low[Dim - 1], high[Dim - 1];
+                bool narrow = true;
+                for (int m = 0; m < Dim - 1; ++m) {
+                    const float s = d.slope[m][beam.end];
+                    low[m] = std::min(beam.low[m], s);
+                    high[m] = std::max(beam.high[m], s);
+                    narrow &= high[m] - low[m] <= widest;
+                }
+                if (!narrow) break;
+                std::copy(low, low + Dim - 1, beam.low);
+                std::copy(high, high + Dim - 1, beam.high);
+                beam.length = std::max(beam.length, d.length[beam.end]);
+            }
+        }
+        beams_.push_back(beam);
+        i = beam.end;
+    }
+}
+
+/// Counting sort by kind and slopes.
+template <int Dim>
+void BeamFinder<Dim>::sort(int bins) {
+    const RayDirections<Dim>& d = directions_;
+    const std::size_t count = d.kind.size();
+    bins_.resize(count);
+    const auto scale = static_cast<float>(bins);
+    for (std::size_t i = 0; i < count; ++i) {
+        // A lone ray goes with those of its kind 0.
+        std::uint32_t bin = d.kind[i] % RayDirections<Dim>::kLone;
+        for (int m = 0; m < Dim - 1; ++m) {
+            const auto b = static_cast<std::int32_t>(d.slope[m][i] * scale);
+            bin = bin * static_cast<std::uint32_t>(bins) +
+                  static_cast<std::uint32_t>(std::min(b, bins - 1));
+        }
+        bins_[i] = bin;
+    }
+    std::size_t all = RayDirections<Dim>::kLone;
+    for (int m = 0; m < Dim - 1; ++m) all *= static_cast<std::size_t>(bins);
+    starts_.assign(all + 1, 0);
+    for (const std::uint32_t bin : bins_) ++starts_[bin + 1];
+    for (std::size_t b = 1; b < starts_.size(); ++b) starts_[b] += starts_[b - 1];
+    order_.resize(count);
+    sortedDirections_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t at = starts_[bins_[i]]++;
+        order_[at] = static_cast<std::uint32_t>(i);
+        sortedDirections_.kind[at] = d.kind[i];
+        sortedDirections_.length[at] = d.length[i];
+        for (int m = 0; m < Dim - 1; ++m) sortedDirections_.slope[m][at] = d.slope[m][i];
+    }
+    sorted_ = true;
+}
+
+template class BeamFinder<2>;
+template class BeamFinder<3>;
+
+}  // namespace superray
