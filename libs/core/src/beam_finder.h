@@ -16,6 +16,10 @@ class BeamFinder {
     void find(const RayBundle<Dim>& rays);
 
     const std::vector<BeamRays<Dim>>& beams() const { return beams_; }
+    /// Length of the i-th ray along its dominant axis [cells], roughly.
+    float length(std::size_t i) const {
+        return sorted_ ? sortedDirections_.length[i] : directions_.length[i];
+    }
     /// Number of the i-th ray in the order of the beams.
     std::uint32_t ray(std::size_t i) const {
         return sorted_ ? order_[i] : static_cast<std::uint32_t>(i);

@@ -70,10 +70,15 @@ template <int Dim>
 void BeamWalk<Dim>::walkRays(const BeamRays<Dim>& beam, std::size_t first,
                              std::size_t stride) {
     lines_.count = 0;
-    for (std::size_t i = beam.begin + first; i < beam.end; i += stride, ++lines_.count) {
+    // Rays that end before that slice need not be looked at.
+    const float shortest = beam.slice > 1 ? static_cast<float>(beam.slice - 1) * 0.99999f : 0;
+    for (std::size_t i = beam.begin + first; i < beam.end; i += stride) {
+        if (finder_->length(i) < shortest) continue;
         const std::uint32_t ray = finder_->ray(i);
         for (int a = 0; a < Dim; ++a) lines_.end[a][lines_.count] = rays_->ends(a)[ray];
+        ++lines_.count;
     }
+    if (lines_.count == 0) return;
     kernels_.setUp(rays_->geometry(), lines_);
     culled_ += beam.slice > 0 ? lines_.count : 0;
     for (std::size_t i = 0; i < lines_.count; ++i) {

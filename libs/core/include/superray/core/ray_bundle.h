@@ -59,10 +59,9 @@ class Coordinates {
     const double* data() const { return values_.get(); }
     double operator[](std::size_t i) const { return values_[i]; }
     void reserve(std::size_t n);
-    void push(double v) {
-        if (size_ == capacity_) reserve(2 * size_ + 1024);
-        values_[size_++] = v;
-    }
+    bool full() const { return size_ == capacity_; }
+    /// \pre !full()
+    void push(double v) { values_[size_++] = v; }
     void clear() { size_ = 0; }
 
  private:
@@ -125,6 +124,7 @@ class RayBundle {
  private:
     void addRay(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind);
     void push(const Point<Dim>& end, RayEnd kind) {
+        if (ends_[0].full()) reserve(2 * size() + 1024);
         for (int a = 0; a < Dim; ++a) ends_[a].push(end[a]);
         kinds_.push_back(kind);
         include(end);
