@@ -24,7 +24,7 @@ void BeamWalk<Dim>::walk(const RayBundle<Dim>& rays, const BeamFinder<Dim>& find
     if (begin == end) return;
     const std::vector<BeamRays<Dim>>& beams = finder.beams();
     addHits(beams[begin].begin, beams[end - 1].end);
-    lines_.origin = RayLine<Dim>::unitsOf(rays.geometry(), rays.commonOrigin());
+    origin_ = RayLine<Dim>::unitsOf(rays.geometry(), rays.commonOrigin());
 
     // First some rays of each beam: evenly spread ones, for these saturate the
     // most. Then, where that was not enough, the others.
@@ -59,7 +59,7 @@ template <int Dim>
 std::int32_t BeamWalk<Dim>::lookAhead(const BeamRays<Dim>& rays) {
     if (rays.kind == RayDirections<Dim>::kLone) return 0;
     state_->flush(1);
-    const Beam<Dim> beam(rays, lines_.origin);
+    const Beam<Dim> beam(rays, origin_);
     const std::int32_t slice =
         kernels_.firstUnsaturated(*state_, beam, rays.slice, beam.slices);
     return slice == beam.slices ? -1 : slice;
@@ -69,25 +69,27 @@ std::int32_t BeamWalk<Dim>::lookAhead(const BeamRays<Dim>& rays) {
 template <int Dim>
 void BeamWalk<Dim>::walkRays(const BeamRays<Dim>& beam, std::size_t first,
                              std::size_t stride) {
-    lines_.count = 0;
+    if (beam.kind == RayDirections<Dim>::kLone) {
+        const RayLine<Dim> line(rays_->geometry(), rays_->commonOrigin(),
+                                rays_->end(finder_->ray(beam.begin)));
+        state_->addresses.reserveMore(static_cast<std::size_t>(line.steps()));
+        kernels_.walk(*state_, line, 0, line.slices());
+        return;
+    }
+    RayLanes lanes;
+    lanes.kind = beam.kind;
     // Rays that end before that slice need not be looked at.
     const float shortest = beam.slice > 1 ? static_cast<float>(beam.slice - 1) * 0.99999f : 0;
     for (std::size_t i = beam.begin + first; i < beam.end; i += stride) {
-        if (finder_->length(i) < shortest) continue;
-        const std::uint32_t ray = finder_->ray(i);
-        for (int a = 0; a < Dim; ++a) lines_.end[a][lines_.count] = rays_->ends(a)[ray];
-        ++lines_.count;
+        if (finder_->length(i) >= shortest) lanes.ray[lanes.count++] = finder_->ray(i);
     }
-    if (lines_.count == 0) return;
-    kernels_.setUp(rays_->geometry(), lines_);
-    culled_ += beam.slice > 0 ? lines_.count : 0;
-    for (std::size_t i = 0; i < lines_.count; ++i) {
-        const RayLine<Dim> line = lines_.line(i);
-        const std::int32_t slices = line.slices();
-        if (beam.slice >= slices) continue;
-        state_->addresses.reserveMore(static_cast<std::size_t>(line.steps()));
-        kernels_.walk(*state_, line, beam.slice, slices);
-    }
+    if (lanes.count == 0) return;
+    for (int i = lanes.count; i < 8; ++i) lanes.ray[i] = lanes.ray[0];
+    culled_ += beam.slice > 0 ? static_cast<std::size_t>(lanes.count) : 0;
+    // At most three cells of each ray in each slice.
+    const auto slices = static_cast<std::size_t>(beam.length) + 3;
+    state_->addresses.reserveMore(3 * kRaysPerLook * slices);
+    kernels_.walkLanes(*state_, *rays_, lanes, beam.slice);
 }
 
 template <int Dim>

@@ -28,7 +28,7 @@ class BeamWalk {
     const BeamFinder<Dim>* finder_ = nullptr;
     WalkState<Dim>* state_ = nullptr;
     WalkKernels<Dim> kernels_;
-    LineBatch<Dim> lines_;
+    Units<Dim> origin_{};
     std::vector<BeamRays<Dim>> open_;
     std::uint64_t culled_ = 0;
 };

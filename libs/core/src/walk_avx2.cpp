@@ -8,6 +8,8 @@
 
 #define SUPERRAY_TARGET __attribute__((target("avx2")))
 
+#include "lane_types.h"
+
 namespace superray {
 namespace {
 namespace simd {
@@ -88,19 +90,29 @@ SUPERRAY_TARGET inline __m256i gatherBytes(const std::uint8_t* base, __m256i off
     return _mm256_and_si256(words, _mm256_set1_epi32(255));
 }
 
+SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint32_t* indices) {
+    Doubles d;
+    for (int i = 0; i < 8; ++i) d[i] = base[indices[i]];
+    return d;
+}
+SUPERRAY_TARGET inline Long8 of(Longs v) {
+    return {_mm256_setr_epi64x(v[0], v[1], v[2], v[3]), _mm256_setr_epi64x(v[4], v[5], v[6], v[7])};
+}
+
 }  // namespace simd
 }  // namespace
 }  // namespace superray
 
 #include "walk_vector.inc"
 #include "saturation_vector.inc"
-#include "line_set_up.inc"
+#include "find_directions.inc"
+#include "lane_walk.inc"
 
 namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx2Kernels() {
-    return {walkGroups<Dim>, setUpLines<Dim>, findDirections<Dim>, firstUnsaturated<Dim>};
+    return {walkGroups<Dim>, walkLanes<Dim>, findDirections<Dim>, firstUnsaturated<Dim>};
 }
 
 template WalkKernels<2> avx2Kernels();

@@ -8,6 +8,8 @@
 
 #define SUPERRAY_TARGET __attribute__((target("avx2,avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
 
+#include "lane_types.h"
+
 namespace superray {
 namespace {
 namespace simd {
@@ -56,19 +58,27 @@ SUPERRAY_TARGET inline __m256i gatherBytes(const std::uint8_t* base, __m256i off
     return _mm256_and_si256(words, _mm256_set1_epi32(255));
 }
 
+SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint32_t* indices) {
+    return (Doubles)_mm512_i64gather_pd(
+        _mm512_cvtepu32_epi64(_mm256_load_si256(reinterpret_cast<const __m256i*>(indices))),
+        base, 8);
+}
+SUPERRAY_TARGET inline Long8 of(Longs v) { return {(__m512i)v}; }
+
 }  // namespace simd
 }  // namespace
 }  // namespace superray
 
 #include "walk_vector.inc"
 #include "saturation_vector.inc"
-#include "line_set_up.inc"
+#include "find_directions.inc"
+#include "lane_walk.inc"
 
 namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx512Kernels() {
-    return {walkGroups<Dim>, setUpLines<Dim>, findDirections<Dim>, firstUnsaturated<Dim>};
+    return {walkGroups<Dim>, walkLanes<Dim>, findDirections<Dim>, firstUnsaturated<Dim>};
 }
 
 template WalkKernels<2> avx512Kernels();

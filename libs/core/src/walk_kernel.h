@@ -8,7 +8,6 @@
 
 #include "beam.h"
 #include "block_directory.h"
-#include "line_batch.h"
 #include "ray_directions.h"
 
 #include <algorithm>
@@ -176,6 +175,19 @@ template <int Dim>
 using WalkKernel = void (*)(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
                             std::int32_t to);
 
+/// Up to 8 rays of one kind (RayDirections) from the common origin.
+struct RayLanes {
+    std::uint32_t kind = 0;
+    int count = 0;
+    alignas(32) std::uint32_t ray[8] = {};  ///< numbers; of unused lanes: any
+};
+
+/// Counts the free cells of some rays from slice `from` on.
+/// \pre state.addresses.reserveMore(4 * slices of the longest) was called
+template <int Dim>
+using LaneWalk = void (*)(WalkState<Dim>& state, const RayBundle<Dim>& rays,
+                          const RayLanes& lanes, std::int32_t from);
+
 /// First slice in [from, to) in which a beam may visit a cell for which more
 /// misses matter; `to` if there is none. \pre from < to
 template <int Dim>
@@ -186,7 +198,7 @@ using FirstUnsaturated = std::int32_t (*)(WalkState<Dim>& state, const Beam<Dim>
 template <int Dim>
 struct WalkKernels {
     WalkKernel<Dim> walk;
-    LineSetUp<Dim> setUp;
+    LaneWalk<Dim> walkLanes;
     FindDirections<Dim> findDirections;
     FirstUnsaturated<Dim> firstUnsaturated;
 };

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #define SUPERRAY_TARGET
-#include "line_set_up.inc"
+#include "find_directions.inc"
 
 namespace superray {
 
@@ -40,6 +40,15 @@ bool matters(WalkState<Dim>& state, const Cell<Dim>& cell) {
 }
 
 template <int Dim>
+void walkLanes(WalkState<Dim>& state, const RayBundle<Dim>& rays, const RayLanes& lanes,
+               std::int32_t from) {
+    for (int i = 0; i < lanes.count; ++i) {
+        const RayLine<Dim> line(rays.geometry(), rays.commonOrigin(), rays.end(lanes.ray[i]));
+        walkPortable(state, line, from, line.slices());
+    }
+}
+
+template <int Dim>
 std::int32_t firstUnsaturated(WalkState<Dim>& state, const Beam<Dim>& beam, std::int32_t from,
                               std::int32_t to) {
     for (std::int32_t k = from; k < to; ++k) {
@@ -64,7 +73,7 @@ std::int32_t firstUnsaturated(WalkState<Dim>& state, const Beam<Dim>& beam, std:
 
 template <int Dim>
 WalkKernels<Dim> portableKernels() {
-    return {walkPortable<Dim>, setUpLines<Dim>, findDirections<Dim>, firstUnsaturated<Dim>};
+    return {walkPortable<Dim>, walkLanes<Dim>, findDirections<Dim>, firstUnsaturated<Dim>};
 }
 
 template void walkPortable(WalkState<2>&, const RayLine<2>&, std::int32_t, std::int32_t);
