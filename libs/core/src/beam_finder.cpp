@@ -8,11 +8,11 @@
 namespace superray {
 namespace {
 
-/// Width of a beam at the end of a typical ray [cells].
-double kWidth = getenv("BINC") ? atof(getenv("BINC")) : 2.0;
-std::size_t kMostRays = getenv("BR") ? atoi(getenv("BR")) : 64;
+/// Width of a beam at the end of a typical ray [cells], and most rays of one.
+double kWidth = getenv("BINC") ? atof(getenv("BINC")) : 3.0;
+std::size_t kMostRays = getenv("BR") ? atoi(getenv("BR")) : 16;
 /// Rays per beam that make sorting not worth while.
-double kGoodOrder = getenv("GO") ? atof(getenv("GO")) : 24;
+double kGoodOrder = getenv("GO") ? atof(getenv("GO")) : 8;
 /// Bins that one ray repays (clearing and adding up).
 constexpr double kBinsPerRay = 4;
 

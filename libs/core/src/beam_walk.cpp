@@ -76,6 +76,21 @@ void BeamWalk<Dim>::walkRays(const BeamRays<Dim>& beam, std::size_t first,
         kernels_.walk(*state_, line, 0, line.slices());
         return;
     }
+    static int kLaneSlices = getenv("LS") ? atoi(getenv("LS")) : 12;
+    if (beam.length - static_cast<float>(beam.slice) > static_cast<float>(kLaneSlices)) {
+        culled_ += beam.slice > 0 ? (beam.end-beam.begin-first+stride-1)/stride : 0;
+        const float shortest = beam.slice > 1 ? static_cast<float>(beam.slice - 1) * 0.99999f : 0;
+        for (std::size_t i = beam.begin + first; i < beam.end; i += stride) {
+            if (finder_->length(i) < shortest) continue;
+            const RayLine<Dim> line(origin_, RayLine<Dim>::unitsOf(rays_->geometry(),
+                                rays_->end(finder_->ray(i))));
+            const std::int32_t slices = line.slices();
+            if (beam.slice >= slices) continue;
+            state_->addresses.reserveMore(static_cast<std::size_t>(line.steps()));
+            kernels_.walk(*state_, line, beam.slice, slices);
+        }
+        return;
+    }
     RayLanes lanes;
     lanes.kind = beam.kind;
     // Rays that end before that slice need not be looked at.
