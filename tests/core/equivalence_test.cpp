@@ -27,19 +27,21 @@ class TestMap : public SaturationSource<Dim> {
                 const unsigned hits = batch.hits(b) != nullptr ? batch.hits(b)[i] : 0;
                 float& v = cells.emplace(cellInBlock<Dim>(batch.key(b), i), 0.0f).first->second;
                 v = model.updated(v, batch.misses(b)[i], hits, policy);
-                BlockMask<Dim>& saturated = saturated_[batch.key(b)];
-                v <= model.min() ? saturated.set(i) : saturated.reset(i);
+                BlockSaturation<Dim>& saturated = saturated_[batch.key(b)];
+                v <= model.min() ? saturated.saturatedFree.set(i)
+                                 : saturated.saturatedFree.reset(i);
+                saturated.mayExceedUnknown |= v > 0;
             }
         }
     }
-    const BlockMask<Dim>* saturatedFree(const BlockKey<Dim>& key, float) const override {
+    BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float) const override {
         const auto it = saturated_.find(key);
-        return it == saturated_.end() ? nullptr : &it->second;
+        return it == saturated_.end() ? BlockSaturation<Dim>{} : it->second;
     }
     std::map<Cell<Dim>, float> cells;
 
  private:
-    std::unordered_map<BlockKey<Dim>, BlockMask<Dim>, IndexHash> saturated_;
+    std::unordered_map<BlockKey<Dim>, BlockSaturation<Dim>, IndexHash> saturated_;
 };
 
 template <int Dim>

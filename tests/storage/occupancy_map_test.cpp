@@ -40,7 +40,7 @@ TYPED_TEST(OccupancyMapContract, FreshMapIsEmpty) {
     EXPECT_TRUE(this->map.empty());
     EXPECT_TRUE(cellsOf<TypeParam::Dim>(this->map).empty());
     EXPECT_FALSE(this->map.logOdds(this->cell(0, 0)).has_value());
-    EXPECT_EQ(this->map.saturatedFree({}, this->model.min()), nullptr);
+    EXPECT_FALSE(this->map.saturation({}, this->model.min()).saturatedFree.any());
     EXPECT_EQ(summarize(this->map, this->model).known, 0u);
 }
 
@@ -269,7 +269,7 @@ TYPED_TEST(OccupancyMapContract, AddressableLimits) {
                           this->cell(std::numeric_limits<std::int32_t>::max(), 0)}) {
         EXPECT_THROW(this->map.setLogOdds(c, 1.0f), std::out_of_range);
         EXPECT_FALSE(this->map.logOdds(c).has_value());
-        EXPECT_EQ(this->map.saturatedFree(blockOf<Dim>(c), -2.0f), nullptr);
+        EXPECT_FALSE(this->map.saturation(blockOf<Dim>(c), -2.0f).saturatedFree.any());
     }
     UpdateBatch<Dim> batch;
     addRandomBlock<Dim>(batch, {}, Fill::half, this->random);
@@ -328,7 +328,7 @@ TYPED_TEST(OccupancyMapContract, ClearForgetsEverything) {
     this->oracle.clear();
     EXPECT_TRUE(this->map.empty());
     EXPECT_EQ(contentDigest(this->map), emptyDigest);
-    EXPECT_EQ(this->map.saturatedFree({}, this->model.min()), nullptr);
+    EXPECT_FALSE(this->map.saturation({}, this->model.min()).saturatedFree.any());
     this->applyRandomScans(5);
     EXPECT_TRUE(equalsOracle<Dim>(this->map, this->oracle));
 }

@@ -77,10 +77,12 @@ BENCHMARK(groupSuperRays)->Apply(onAllData);
 void buildCullingRegion(benchmark::State& state) {
     const KernelData& data = KernelData::of(state);
     CullingRegion<3> region;
+    BlockMask<3> mask;
     for (auto _ : state) {
         region.build(data.geometry.cellOf(data.rays.commonOrigin()), data.lowest, data.highest,
                      [&](const BlockKey<3>& key) {
-                         return data.grid->saturatedFree(key, data.model.min());
+                         mask = data.grid->saturation(key, data.model.min()).saturatedFree;
+                         return mask.any() ? &mask : nullptr;
                      });
         benchmark::DoNotOptimize(region.cellCount());
     }

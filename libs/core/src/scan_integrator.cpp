@@ -132,8 +132,10 @@ const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& ray
     const bool culling = method == Method::culling || method == Method::full;
     impl.region.clear();
     if (culling && map != nullptr) {
+        BlockSaturation<Dim> block;
         const auto saturated = [&](const BlockKey<Dim>& key) {
-            return map->saturatedFree(key, model.min());
+            block = map->saturation(key, model.min());
+            return block.saturatedFree.any() ? &block.saturatedFree : nullptr;
         };
         impl.region.build(rays.geometry().cellOf(rays.commonOrigin()), extent.lowest,
                           extent.highest, saturated);

@@ -139,15 +139,15 @@ struct WalkState {
     std::uint32_t makeBlock(const BlockKey<Dim>& key) {
         BlockSaturation<Dim> before;
         if (map_ != nullptr) before = map_->saturation(key, lowerClamp_);
-        if (before.saturatedFree != nullptr && before.saturatedFree->all()) {
+        if (before.saturatedFree.all()) {
             directory.setNumber(key, kNoCounts);
             return kNoCounts;
         }
         const std::uint32_t block = batch.addBlock(key);
-        if (before.saturatedFree != nullptr) {
+        if (before.saturatedFree.any()) {
             std::uint8_t* counts = batch.missesOf(block);
             for (int row = 0; row < kBlockCells<Dim> / 8; ++row)
-                spreadBits(before.saturatedFree->words[row / 8] >> (8 * (row % 8)), counts + 8 * row);
+                spreadBits(before.saturatedFree.words[row / 8] >> (8 * (row % 8)), counts + 8 * row);
         }
         const std::uint32_t number =
             (block + kFirstBlock) | (before.mayExceedUnknown ? kMayExceedUnknown : 0);

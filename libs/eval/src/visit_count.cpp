@@ -15,16 +15,16 @@ class Saturation {
         if (!asked_ || key != key_) {
             asked_ = true;
             key_ = key;
-            mask_ = map_.saturatedFree(key, SensorModel().min());
+            mask_ = map_.saturation(key, SensorModel().min()).saturatedFree;
         }
-        return mask_ != nullptr && mask_->test(indexInBlock<3>(cell));
+        return mask_.test(indexInBlock<3>(cell));
     }
 
  private:
     const SaturationSource<3>& map_;
     BlockKey<3> key_{};
     bool asked_ = false;
-    const BlockMask<3>* mask_ = nullptr;
+    BlockMask<3> mask_;
 };
 
 }  // namespace

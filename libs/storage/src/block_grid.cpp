@@ -25,6 +25,7 @@ struct Payload {
     Payload() { layers.fill(kNoLayer); }
     BlockMask<Dim> known;
     BlockMask<Dim> saturated;  // known cells at the lower clamp
+    bool wasHit = false;       // a cell may have, or have had, log-odds above 0
     std::array<std::uint32_t, kLayers> layers;
 };
 
@@ -80,6 +81,7 @@ struct BlockGrid<Dim>::Impl {
             }
             p.known = fullMask<Dim>();
             if (clamp.isAt(block.uniform)) p.saturated = p.known;
+            p.wasHit = block.uniform > 0;
             block.payload = fresh;
         }
         return payloads[block.payload];
@@ -154,6 +156,7 @@ struct BlockGrid<Dim>::Impl {
     void set(Payload<Dim>& p, int index, float newValue) {
         layer(p, index >> 6)[index & 63] = newValue;
         p.known.set(index);
+        p.wasHit |= newValue > 0;
         if (clamp.isAt(newValue))
             p.saturated.set(index);
         else
@@ -209,6 +212,7 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
         if (!touched.any()) continue;
         if (!block) block = &impl_->add(batch.key(b));
         Payload<Dim>& p = impl_->expand(*block);
+        p.wasHit |= hits != nullptr;
         std::array<float*, kLayers> values;
         for (int z = 0; z < kLayers; ++z)
             values[z] = touched.words[z] ? impl_->layer(p, z) : nullptr;
@@ -291,15 +295,21 @@ std::size_t BlockGrid<Dim>::memoryBytes() const {
 }
 
 template <int Dim>
-const BlockMask<Dim>* BlockGrid<Dim>::saturatedFree(const BlockKey<Dim>& key,
-                                                    float lowerClamp) const {
-    static const BlockMask<Dim> full = fullMask<Dim>();
+BlockSaturation<Dim> BlockGrid<Dim>::saturation(const BlockKey<Dim>& key,
+                                                float lowerClamp) const {
+    BlockSaturation<Dim> result;
     const Block* block = impl_->find(key);
-    if (!block) return nullptr;
-    if (block->payload == kUniform) return block->uniform == lowerClamp ? &full : nullptr;
+    if (!block) return result;
+    if (block->payload == kUniform) {
+        if (block->uniform == lowerClamp) result.saturatedFree = fullMask<Dim>();
+        result.mayExceedUnknown = block->uniform > 0;
+        return result;
+    }
     impl_->useClamp(lowerClamp);
-    const BlockMask<Dim>& saturated = impl_->payloads[block->payload].saturated;
-    return saturated.any() ? &saturated : nullptr;
+    const Payload<Dim>& payload = impl_->payloads[block->payload];
+    result.saturatedFree = payload.saturated;
+    result.mayExceedUnknown = payload.wasHit;
+    return result;
 }
 
 template class BlockGrid<2>;

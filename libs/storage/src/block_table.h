@@ -46,11 +46,6 @@ class BlockTable {
         return slot;
     }
 
-    /// Changes the slot of a key that is there.
-    void assign(const BlockKey<Dim>& key, std::uint32_t slot) {
-        entries_[position(pack(key))] = (pack(key) << kSlotBits) | slot;
-    }
-
     /// visit(key, slot) for every entry, in unspecified order.
     template <typename Visit>
     void forEach(Visit&& visit) const {

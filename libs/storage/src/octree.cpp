@@ -1,13 +1,29 @@
 #include <superray/storage/octree.h>
 
+#include "object_pool.h"
 #include "tree_storage.h"
 
 #include <octomap/OcTree.h>
 
+#include <algorithm>
+#include <limits>
+#include <new>
+#include <utility>
+
 namespace superray {
 namespace {
 
-/// OctoMap's tree, with what TreeWriter needs and OctoMap keeps to itself.
+/// A node whose memory is its tree's.
+class PooledNode final : public octomap::OcTreeNode {
+ public:
+    octomap::AbstractOcTreeNode** children() const { return OcTreeNode::children; }
+    void setChildren(octomap::AbstractOcTreeNode** c) { OcTreeNode::children = c; }
+};
+
+/// OctoMap's tree, with what TreeWriter needs and OctoMap keeps to itself, and
+/// with all nodes in two pools: a node is 16 bytes instead of malloc's 32, and
+/// nodes that are made together lie together. OctoMap's code must never free
+/// one, so all functions that do are replaced here or not called.
 class OcTreeNodes final : public octomap::OcTree {
  public:
     static constexpr int kDim = 3;
@@ -15,24 +31,52 @@ class OcTreeNodes final : public octomap::OcTree {
     static constexpr Node kNull = nullptr;
 
     explicit OcTreeNodes(double cellEdge) : octomap::OcTree(cellEdge) {}
+    OcTreeNodes(const OcTreeNodes& o) : octomap::OcTree(o.resolution) {
+        setProbHit(o.getProbHit());
+        setProbMiss(o.getProbMiss());
+        setClampingThresMin(o.getClampingThresMin());
+        setClampingThresMax(o.getClampingThresMax());
+        setOccupancyThres(o.getOccupancyThres());
+        if (o.root() == kNull) return;
+        createRoot();
+        copyBelow(o.root(), root());
+        tree_size = o.tree_size;
+    }
+    OcTreeNodes& operator=(const OcTreeNodes&) = delete;
+    ~OcTreeNodes() override { clearNodes(); }
 
     // Handles are to non-const nodes; only TreeWriter changes them.
     Node root() const { return octomap::OcTree::root; }
     Node createRoot() {
-        octomap::OcTree::root = new octomap::OcTreeNode();
+        octomap::OcTree::root = newNode();
         tree_size = 1;
         size_changed = true;
         return octomap::OcTree::root;
     }
-    Node child(Node n, int i) const {
-        const auto u = static_cast<unsigned>(i);
-        return nodeChildExists(n, u) ? getNodeChild(n, u) : kNull;
+    static Node child(Node n, int i) {
+        octomap::AbstractOcTreeNode** const c = pooled(n)->children();
+        return c == nullptr ? kNull : static_cast<Node>(c[i]);
     }
-    Node createChild(Node n, int i) { return createNodeChild(n, static_cast<unsigned>(i)); }
-    bool hasChildren(Node n) const { return nodeHasChildren(n); }
+    Node createChild(Node n, int i) {
+        octomap::AbstractOcTreeNode** c = pooled(n)->children();
+        if (c == nullptr) {
+            c = families_.allocate()->children;
+            std::fill_n(c, 8, nullptr);
+            pooled(n)->setChildren(c);
+        }
+        const Node fresh = newNode();
+        c[i] = fresh;
+        ++tree_size;
+        size_changed = true;
+        return fresh;
+    }
+    /// Inner nodes have a child: families without one are never left behind.
+    static bool hasChildren(Node n) { return pooled(n)->children() != nullptr; }
     static float value(Node n) { return n->getLogOdds(); }
     static void setValue(Node n, float v) { n->setLogOdds(v); }
-    void expand(Node n) { expandNode(n); }
+    void expand(Node n) {
+        for (int i = 0; i < 8; ++i) setValue(createChild(n, i), value(n));
+    }
     void settle(Node n) {
         // As pruneNode() and updateOccupancyChildren(), in one visit.
         bool same = true;
@@ -46,12 +90,24 @@ class OcTreeNodes final : public octomap::OcTree {
             same = same && !hasChildren(c) && (i == 0 || value(c) == highest);
             highest = std::max(highest, value(c));
         }
-        if (!same || !pruneNode(n)) setValue(n, highest);
+        setValue(n, highest);
+        if (same) prune(n);
     }
 
     void swapWith(OcTreeNodes& o) {
-        swapContent(o);
+        std::swap(octomap::OcTree::root, o.octomap::OcTree::root);
+        std::swap(tree_size, o.tree_size);
+        nodes_.swap(o.nodes_);
+        families_.swap(o.families_);
         size_changed = o.size_changed = true;  // OctoMap's cached bounds
+    }
+
+    void clearNodes() {
+        octomap::OcTree::root = nullptr;
+        tree_size = 0;
+        size_changed = true;
+        nodes_.clear();
+        families_.clear();
     }
 
     void use(const SensorProbabilities& p) {
@@ -61,6 +117,32 @@ class OcTreeNodes final : public octomap::OcTree {
         setClampingThresMax(p.clampMax);
         setOccupancyThres(p.occupancyThreshold);
     }
+
+ private:
+    struct Family {
+        octomap::AbstractOcTreeNode* children[8];
+    };
+
+    static PooledNode* pooled(Node n) { return static_cast<PooledNode*>(n); }
+    PooledNode* newNode() { return new (nodes_.allocate()) PooledNode; }
+
+    void prune(Node n) {
+        octomap::AbstractOcTreeNode** const c = pooled(n)->children();
+        for (int i = 0; i < 8; ++i) nodes_.release(pooled(static_cast<Node>(c[i])));
+        families_.release(reinterpret_cast<Family*>(c));
+        pooled(n)->setChildren(nullptr);
+        tree_size -= 8;
+        size_changed = true;
+    }
+
+    void copyBelow(Node from, Node to) {
+        setValue(to, value(from));
+        for (int i = 0; i < 8; ++i)
+            if (const Node c = child(from, i); c != kNull) copyBelow(c, createChild(to, i));
+    }
+
+    ObjectPool<PooledNode> nodes_;
+    ObjectPool<Family> families_;
 };
 
 }  // namespace
@@ -91,7 +173,7 @@ void Octree::swapContents(OccupancyMap<3>& other) {
     requireSameResolution(*this, o);
     // Only the nodes move: references to tree() stay valid.
     impl_->nodes.swapWith(o.impl_->nodes);
-    impl_->saturated.swap(o.impl_->saturated);
+    std::swap(impl_->cache, o.impl_->cache);
 }
 
 void Octree::apply(const UpdateBatch<3>& batch, const SensorModel& model, UpdatePolicy policy) {
@@ -116,8 +198,8 @@ bool Octree::visitBlock(const BlockKey<3>& key, const BlockVisitor& visit) const
 }
 
 void Octree::clear() {
-    impl_->nodes.clear();
-    impl_->saturated.clear();
+    impl_->nodes.clearNodes();
+    impl_->cache.clear();
 }
 
 bool Octree::empty() const {
@@ -125,11 +207,11 @@ bool Octree::empty() const {
 }
 
 std::size_t Octree::memoryBytes() const {
-    return impl_->nodes.memoryUsage() + impl_->saturated.memoryBytes();
+    return impl_->nodes.memoryUsage();
 }
 
-const BlockMask<3>* Octree::saturatedFree(const BlockKey<3>& key, float lowerClamp) const {
-    return impl_->saturatedFree(key, lowerClamp);
+BlockSaturation<3> Octree::saturation(const BlockKey<3>& key, float lowerClamp) const {
+    return impl_->saturation(key, lowerClamp);
 }
 
 }  // namespace superray

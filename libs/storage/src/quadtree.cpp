@@ -1,5 +1,6 @@
 #include <superray/storage/quadtree.h>
 
+#include "chunked_pool.h"
 #include "tree_storage.h"
 
 namespace superray {
@@ -142,11 +143,11 @@ bool Quadtree::empty() const {
 }
 
 std::size_t Quadtree::memoryBytes() const {
-    return sizeof(Impl) + impl_->nodes.memoryBytes() + impl_->saturated.memoryBytes();
+    return sizeof(Impl) + impl_->nodes.memoryBytes();
 }
 
-const BlockMask<2>* Quadtree::saturatedFree(const BlockKey<2>& key, float lowerClamp) const {
-    return impl_->saturatedFree(key, lowerClamp);
+BlockSaturation<2> Quadtree::saturation(const BlockKey<2>& key, float lowerClamp) const {
+    return impl_->saturation(key, lowerClamp);
 }
 
 }  // namespace superray

@@ -3,7 +3,9 @@
 /// All that Octree and Quadtree do, over the nodes of either.
 
 #include "fold_layers.h"
-#include "saturated_blocks.h"
+#include "saturation_cache.h"
+#include "saturation_clamp.h"
+#include "value_rules.h"
 #include "tree_update.h"
 
 #include <superray/storage/occupancy_map.h>
@@ -23,12 +25,13 @@ class TreeStorage {
     explicit TreeStorage(const Args&... args) : nodes(args...) {}
 
     Nodes nodes;
-    SaturatedBlocks<Dim> saturated;
+    SaturationCache<Dim> cache;
 
     void apply(const UpdateBatch<Dim>& batch, const SensorModel& model, UpdatePolicy policy) {
         for (std::size_t b = 0; b < batch.blockCount(); ++b)
             requireAddressableBlock<Dim>(batch.key(b));
-        useClamp(model.min());
+
+        cache.use(model.min(), 2 * batch.blockCount());
 
         // In the order of the tree, so that neighbours share the way down.
         std::vector<std::pair<std::uint64_t, std::size_t>> blocks(batch.blockCount());
@@ -38,17 +41,29 @@ class TreeStorage {
 
         const FoldVersion& fold = foldForThisCpu();
         TreeWriter<Nodes> writer(nodes);
+        // Whatever stops the update, nothing stale is kept.
+        struct Guard {
+            SaturationCache<Dim>& cache;
+            bool done = false;
+            ~Guard() {
+                if (!done) cache.clear();
+            }
+        } guard{cache};
         for (const auto& [morton, b] : blocks) {
             const std::uint8_t* misses = batch.misses(b);
             const std::uint8_t* hits = batch.hits(b);
-            const BlockMask<Dim>* before = saturated.find(batch.key(b));
-            if (before && before->all() && !hits) continue;  // misses change nothing
             BlockMask<Dim> touched;
             fold.touchedCells(BlockMask<Dim>::kWords, misses, hits, touched.words.data());
-            write(writer, batch.key(b), morton, touched, before, [&](int i, float value) {
+            BlockSaturation<Dim> block = saturation(batch.key(b), model.min());
+            if (block.saturatedFree.all() && !hits) continue;  // misses change nothing
+            writer.updateBlock(morton, touched, model.min(), block.saturatedFree,
+                               [&](int i, float value) {
                 return model.updated(value, misses[i], hits ? hits[i] : 0u, policy);
             });
+            block.mayExceedUnknown |= hits != nullptr;
+            cache.put(batch.key(b), block);
         }
+        guard.done = true;
     }
 
     std::optional<float> logOdds(const Cell<Dim>& cell) const {
@@ -102,9 +117,19 @@ class TreeStorage {
         return true;
     }
 
-    const BlockMask<Dim>* saturatedFree(const BlockKey<Dim>& key, float lowerClamp) {
-        useClamp(lowerClamp);
-        return saturated.find(key);
+    BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float lowerClamp) const {
+        if (const auto* kept = cache.find(key, lowerClamp)) return *kept;
+        BlockSaturation<Dim> result;
+        if (!isAddressable(key, kBlockLimit)) return result;
+        const std::uint64_t morton = mortonOf<Dim>(key);
+        Node node = nodes.root();
+        for (int depth = 0;
+             node != Nodes::kNull && nodes.hasChildren(node) && depth < kBlockDepth; ++depth)
+            node = nodes.child(node, childTowards<Dim>(morton, depth));
+        if (node == Nodes::kNull) return result;
+        markSaturated<kBlockBits>(node, 0, lowerClamp, result.saturatedFree);
+        result.mayExceedUnknown = nodes.value(node) > 0;  // inner nodes have the highest
+        return result;
     }
 
  private:
@@ -117,30 +142,26 @@ class TreeStorage {
     }
 
     template <typename Update>
-    void write(TreeWriter<Nodes>& writer, const BlockKey<Dim>& key, std::uint64_t morton,
-               const BlockMask<Dim>& touched, const BlockMask<Dim>* saturatedBefore,
-               const Update& update) {
-        BlockMask<Dim> mask = saturatedBefore ? *saturatedBefore : BlockMask<Dim>{};
-        if (writer.updateBlock(morton, touched, saturated.clamp.value(), mask, update))
-            saturated.put(key, mask);
-    }
-
-    template <typename Update>
     void write(const BlockKey<Dim>& key, const BlockMask<Dim>& touched, const Update& update) {
+        cache.clear();
         TreeWriter<Nodes> writer(nodes);
-        write(writer, key, mortonOf<Dim>(key), touched, saturated.find(key), update);
+        BlockMask<Dim> unused;
+        writer.updateBlock(mortonOf<Dim>(key), touched, 0, unused, update);
     }
 
-    void useClamp(float lowerClamp) {
-        saturated.clamp.use(lowerClamp, [&] {
-            saturated.clear();
-            forEachBlock([&](const BlockView<Dim>& block) {
-                BlockMask<Dim> mask;
-                for (int i = 0; i < kBlockCells<Dim>; ++i)
-                    if (block.known.test(i) && block.values[i] == lowerClamp) mask.set(i);
-                saturated.put(block.key, mask);
+    template <int level>
+    void markSaturated(Node node, int offset, float lowerClamp, BlockMask<Dim>& mask) const {
+        if (!nodes.hasChildren(node)) {
+            if (nodes.value(node) != lowerClamp) return;
+            visitCube<Dim, level>(fullMask<Dim>(), offset, [&](int word, std::uint64_t bits) {
+                mask.words[static_cast<std::size_t>(word)] |= bits;
             });
-        });
+        } else if constexpr (level > 0) {
+            for (int i = 0; i < 1 << Dim; ++i)
+                if (const Node child = nodes.child(node, i); child != Nodes::kNull)
+                    markSaturated<level - 1>(child, offset + childOffset<Dim>(i, level - 1),
+                                             lowerClamp, mask);
+        }
     }
 
     /// \param morton of the blocks below the node, its lower bits 0

@@ -21,7 +21,8 @@ namespace superray {
 template <int Dim>
 class CullingRegion {
  public:
-    /// Tells which cells of a block are saturated free; nullptr: none.
+    /// Tells which cells of a block are saturated free; nullptr: none. What it
+    /// points at need last only until the next call.
     using Saturation = std::function<const BlockMask<Dim>*(const BlockKey<Dim>&)>;
 
     CullingRegion();

@@ -53,7 +53,7 @@ struct ScanStatistics {
 /// What a map tells of a block before a scan.
 template <int Dim>
 struct BlockSaturation {
-    const BlockMask<Dim>* saturatedFree = nullptr;  ///< as SaturationSource::saturatedFree()
+    BlockMask<Dim> saturatedFree;  ///< cells whose log-odds are at the lower clamp
     /// False only if no cell has log-odds above 0: then the misses that take
     /// an unknown cell to the lower clamp take every cell there.
     bool mayExceedUnknown = false;
@@ -64,14 +64,8 @@ template <int Dim>
 class SaturationSource {
  public:
     virtual ~SaturationSource() = default;
-    /// All that is known of a block, in one look-up.
-    virtual BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float lowerClamp) const {
-        return {saturatedFree(key, lowerClamp), true};
-    }
-    /// Cells of the block whose log-odds are at the lower clamp `lowerClamp`;
-    /// nullptr if none. Valid until the map changes.
-    virtual const BlockMask<Dim>* saturatedFree(const BlockKey<Dim>& key,
-                                                float lowerClamp) const = 0;
+    virtual BlockSaturation<Dim> saturation(const BlockKey<Dim>& key,
+                                            float lowerClamp) const = 0;
 };
 
 /// Exact (unsaturated) counts of one cell.

@@ -28,7 +28,7 @@ class BlockGrid final : public OccupancyMap<Dim> {
     void clear() override;
     bool empty() const override;
     std::size_t memoryBytes() const override;
-    const BlockMask<Dim>* saturatedFree(const BlockKey<Dim>& key, float lowerClamp) const override;
+    BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float lowerClamp) const override;
 
    private:
     struct Impl;

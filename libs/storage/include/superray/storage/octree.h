@@ -34,7 +34,7 @@ class Octree final : public OccupancyMap<3> {
     void clear() override;
     bool empty() const override;
     std::size_t memoryBytes() const override;
-    const BlockMask<3>* saturatedFree(const BlockKey<3>& key, float lowerClamp) const override;
+    BlockSaturation<3> saturation(const BlockKey<3>& key, float lowerClamp) const override;
 
    private:
     struct Impl;

@@ -25,7 +25,7 @@ class Quadtree final : public OccupancyMap<2> {
     void clear() override;
     bool empty() const override;
     std::size_t memoryBytes() const override;
-    const BlockMask<2>* saturatedFree(const BlockKey<2>& key, float lowerClamp) const override;
+    BlockSaturation<2> saturation(const BlockKey<2>& key, float lowerClamp) const override;
 
    private:
     struct Impl;
