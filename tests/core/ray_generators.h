@@ -55,7 +55,7 @@ RayBundle<Dim> makeScan(Scene scene, Random& random, const CellGeometry<Dim>& g,
     const int wallAxis = integer(random, 0, Dim - 1);
 
     for (int i = 0; i < count; ++i) {
-        Point<Dim> end;
+        Point<Dim> end = origin;
         switch (scene) {
             case Scene::uniform:
                 end = uniformPoint<Dim>(random, 40 * r);

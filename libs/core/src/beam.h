@@ -68,8 +68,8 @@ struct Beam {
     }
     /// Mirrored minor cells of slice k: from low() to high().
     std::int32_t low(int axis, std::int32_t k) const {
-        return std::max(first[axis], RayLine<Dim>::cellOfUnits(exitLow[axis] +
-                                                               (k - 1) * slopeLow[axis]));
+        return std::max(first[axis],
+                        RayLine<Dim>::cellOfUnits(exitLow[axis] + (k - 1) * slopeLow[axis]));
     }
     std::int32_t high(int axis, std::int32_t k) const {
         return RayLine<Dim>::cellOfUnits(exitHigh[axis] + k * slopeHigh[axis]);

@@ -1,7 +1,6 @@
 #include "beam_finder.h"
 
 #include <cmath>
-#include <cstdlib>
 
 #include "walk_kernel.h"
 
@@ -9,10 +8,10 @@ namespace superray {
 namespace {
 
 /// Width of a beam at the end of a typical ray [cells], and most rays of one.
-double kWidth = getenv("BINC") ? atof(getenv("BINC")) : 3.0;
-std::size_t kMostRays = getenv("BR") ? atoi(getenv("BR")) : 16;
+constexpr double kWidth = 3;
+constexpr std::size_t kMostRays = 16;
 /// Rays per beam that make sorting not worth while.
-double kGoodOrder = getenv("GO") ? atof(getenv("GO")) : 8;
+constexpr double kGoodOrder = 8;
 /// Bins that one ray repays (clearing and adding up).
 constexpr double kBinsPerRay = 4;
 

@@ -1,10 +1,17 @@
 #include "beam_walk.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace superray {
 namespace {
 
 /// Rays of a beam that are walked between two looks ahead: one vector's worth.
 constexpr std::size_t kRaysPerLook = 8;
+
+/// Rays are walked side by side if no more slices than this are left of them:
+/// then few cells are new to each, and starting is what costs.
+constexpr float kLaneSlices = 12;
 
 std::size_t stridesOf(std::size_t rays) {
     return (rays + kRaysPerLook - 1) / kRaysPerLook;
@@ -34,7 +41,7 @@ void BeamWalk<Dim>::walk(const RayBundle<Dim>& rays, const BeamFinder<Dim>& find
         beam.slice = lookAhead(beam);
         if (beam.slice < 0) {
             culled_ += beam.end - beam.begin;
-            continue;
+            continue;  // no ray of it has anything to tell but its hit
         }
         const std::size_t strides = stridesOf(beam.end - beam.begin);
         walkRays(beam, 0, strides);
@@ -45,7 +52,8 @@ void BeamWalk<Dim>::walk(const RayBundle<Dim>& rays, const BeamFinder<Dim>& find
         for (std::size_t s = 1; s < strides; ++s) {
             beam.slice = lookAhead(beam);
             if (beam.slice < 0) {
-                culled_ += (beam.end - beam.begin) / strides * (strides - s);
+                for (; s < strides; ++s)
+                    culled_ += (beam.end - beam.begin - s + strides - 1) / strides;
                 break;
             }
             walkRays(beam, s, strides);
@@ -67,44 +75,31 @@ std::int32_t BeamWalk<Dim>::lookAhead(const BeamRays<Dim>& rays) {
 
 /// Walks every stride-th ray of the beam, from beam.slice on.
 template <int Dim>
-void BeamWalk<Dim>::walkRays(const BeamRays<Dim>& beam, std::size_t first,
-                             std::size_t stride) {
-    if (beam.kind == RayDirections<Dim>::kLone) {
-        const RayLine<Dim> line(rays_->geometry(), rays_->commonOrigin(),
-                                rays_->end(finder_->ray(beam.begin)));
-        state_->addresses.reserveMore(static_cast<std::size_t>(line.steps()));
-        kernels_.walk(*state_, line, 0, line.slices());
-        return;
-    }
-    static int kLaneSlices = getenv("LS") ? atoi(getenv("LS")) : 12;
-    if (beam.length - static_cast<float>(beam.slice) > static_cast<float>(kLaneSlices)) {
-        culled_ += beam.slice > 0 ? (beam.end-beam.begin-first+stride-1)/stride : 0;
-        const float shortest = beam.slice > 1 ? static_cast<float>(beam.slice - 1) * 0.99999f : 0;
-        for (std::size_t i = beam.begin + first; i < beam.end; i += stride) {
-            if (finder_->length(i) < shortest) continue;
-            const RayLine<Dim> line(origin_, RayLine<Dim>::unitsOf(rays_->geometry(),
-                                rays_->end(finder_->ray(i))));
-            const std::int32_t slices = line.slices();
-            if (beam.slice >= slices) continue;
-            state_->addresses.reserveMore(static_cast<std::size_t>(line.steps()));
-            kernels_.walk(*state_, line, beam.slice, slices);
-        }
-        return;
-    }
+void BeamWalk<Dim>::walkRays(const BeamRays<Dim>& beam, std::size_t first, std::size_t stride) {
     RayLanes lanes;
     lanes.kind = beam.kind;
-    // Rays that end before that slice need not be looked at.
-    const float shortest = beam.slice > 1 ? static_cast<float>(beam.slice - 1) * 0.99999f : 0;
+    // Rays that end before that slice have nothing to tell.
+    const float shortest = 0.99999f * static_cast<float>(beam.slice - 1);
     for (std::size_t i = beam.begin + first; i < beam.end; i += stride) {
+        culled_ += beam.slice > 0;
         if (finder_->length(i) >= shortest) lanes.ray[lanes.count++] = finder_->ray(i);
     }
-    if (lanes.count == 0) return;
-    for (int i = lanes.count; i < 8; ++i) lanes.ray[i] = lanes.ray[0];
-    culled_ += beam.slice > 0 ? static_cast<std::size_t>(lanes.count) : 0;
-    // At most three cells of each ray in each slice.
-    const auto slices = static_cast<std::size_t>(beam.length) + 3;
-    state_->addresses.reserveMore(3 * kRaysPerLook * slices);
-    kernels_.walkLanes(*state_, *rays_, lanes, beam.slice);
+    const float slices = beam.length - static_cast<float>(beam.slice);
+    if (beam.kind != RayDirections<Dim>::kLone && slices <= kLaneSlices) {
+        if (lanes.count == 0) return;
+        std::fill(lanes.ray + lanes.count, std::end(lanes.ray), lanes.ray[0]);
+        // At most three cells of each ray in each slice.
+        state_->addresses.reserveMore(3 * kRaysPerLook * static_cast<std::size_t>(slices + 3));
+        kernels_.walkLanes(*state_, *rays_, lanes, beam.slice);
+        return;
+    }
+    for (int i = 0; i < lanes.count; ++i) {
+        const RayLine<Dim> line(
+            origin_, RayLine<Dim>::unitsOf(rays_->geometry(), rays_->end(lanes.ray[i])));
+        if (beam.slice >= line.slices()) continue;
+        state_->addresses.reserveMore(static_cast<std::size_t>(line.steps()));
+        kernels_.walk(*state_, line, beam.slice, line.slices());
+    }
 }
 
 template <int Dim>

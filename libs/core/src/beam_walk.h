@@ -5,6 +5,8 @@
 #include "beam_finder.h"
 #include "walk_kernel.h"
 
+#include <vector>
+
 namespace superray {
 
 /// One thread's part of a scan.

@@ -15,11 +15,11 @@ struct RayDirections {
     /// Kind: dominant axis, + 4 * (bit a: axis a runs backwards); kLone if single
     /// precision cannot tell for certain.
     std::vector<std::uint32_t> kind;
-    std::vector<float> length;            ///< along the dominant axis [cells]
-    std::vector<float> slope[Dim - 1];    ///< minor / dominant, by ascending axis
+    std::vector<float> length;          ///< along the dominant axis [cells]
+    std::vector<float> slope[Dim - 1];  ///< minor / dominant, by ascending axis
 
     static constexpr std::uint32_t kLone = 32;
-    static constexpr float kLeastLength = 1.0f / 64;      ///< [cells]
+    static constexpr float kLeastLength = 1.0f / 64;  ///< [cells]
     static constexpr float kLeastExtent = 1.0f / (1 << 24);
     static constexpr float kCertain = 1 - 1.0f / (1 << 19);  ///< slopes below are minor
     static constexpr double kSlopeMargin = 1.0 / (1 << 20);

@@ -84,9 +84,9 @@ SUPERRAY_TARGET inline __m256i gatherBytes(const std::uint8_t* base, __m256i off
     const auto* b = reinterpret_cast<const int*>(base);
     const __m256i low = _mm256_cvtepu32_epi64(_mm256_castsi256_si128(offsets));
     const __m256i high = _mm256_cvtepu32_epi64(_mm256_extracti128_si256(offsets, 1));
-    const __m256i words = _mm256_inserti128_si256(
-        _mm256_castsi128_si256(_mm256_i64gather_epi32(b, low, 1)),
-        _mm256_i64gather_epi32(b, high, 1), 1);
+    const __m256i words =
+        _mm256_inserti128_si256(_mm256_castsi128_si256(_mm256_i64gather_epi32(b, low, 1)),
+                                _mm256_i64gather_epi32(b, high, 1), 1);
     return _mm256_and_si256(words, _mm256_set1_epi32(255));
 }
 
@@ -96,17 +96,22 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
     return d;
 }
 SUPERRAY_TARGET inline Long8 of(Longs v) {
-    return {_mm256_setr_epi64x(v[0], v[1], v[2], v[3]), _mm256_setr_epi64x(v[4], v[5], v[6], v[7])};
+    return {_mm256_setr_epi64x(v[0], v[1], v[2], v[3]),
+            _mm256_setr_epi64x(v[4], v[5], v[6], v[7])};
 }
 
 }  // namespace simd
 }  // namespace
 }  // namespace superray
 
+// In this order: the later ones use the earlier.
 #include "walk_vector.inc"
+//
 #include "saturation_vector.inc"
-#include "find_directions.inc"
+//
 #include "lane_walk.inc"
+//
+#include "find_directions.inc"
 
 namespace superray {
 

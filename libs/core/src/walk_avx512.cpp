@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cstring>
 
-#define SUPERRAY_TARGET __attribute__((target("avx2,avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
+#define SUPERRAY_TARGET \
+    __attribute__((target("avx2,avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
 
 #include "lane_types.h"
 
@@ -63,16 +64,22 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
         _mm512_cvtepu32_epi64(_mm256_load_si256(reinterpret_cast<const __m256i*>(indices))),
         base, 8);
 }
-SUPERRAY_TARGET inline Long8 of(Longs v) { return {(__m512i)v}; }
+SUPERRAY_TARGET inline Long8 of(Longs v) {
+    return {(__m512i)v};
+}
 
 }  // namespace simd
 }  // namespace
 }  // namespace superray
 
+// In this order: the later ones use the earlier.
 #include "walk_vector.inc"
+//
 #include "saturation_vector.inc"
-#include "find_directions.inc"
+//
 #include "lane_walk.inc"
+//
+#include "find_directions.inc"
 
 namespace superray {
 

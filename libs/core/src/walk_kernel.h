@@ -106,7 +106,8 @@ struct WalkState {
         if (n == kNoCounts) {
             const std::uint32_t block = batch.addBlock(key);
             std::uint8_t* counts = batch.missesOf(block);
-            std::fill(counts, counts + kBlockCells<Dim>, std::uint8_t{UpdateBatch<Dim>::kMaxCount});
+            std::fill(counts, counts + kBlockCells<Dim>,
+                      std::uint8_t{UpdateBatch<Dim>::kMaxCount});
             directory.setNumber(key, n = block + kFirstBlock);
         }
         return n - kFirstBlock;
@@ -147,7 +148,8 @@ struct WalkState {
         if (before.saturatedFree.any()) {
             std::uint8_t* counts = batch.missesOf(block);
             for (int row = 0; row < kBlockCells<Dim> / 8; ++row)
-                spreadBits(before.saturatedFree.words[row / 8] >> (8 * (row % 8)), counts + 8 * row);
+                spreadBits(before.saturatedFree.words[row / 8] >> (8 * (row % 8)),
+                           counts + 8 * row);
         }
         const std::uint32_t number =
             (block + kFirstBlock) | (before.mayExceedUnknown ? kMayExceedUnknown : 0);

@@ -5,8 +5,8 @@
 #include "fold_layers.h"
 #include "saturation_cache.h"
 #include "saturation_clamp.h"
-#include "value_rules.h"
 #include "tree_update.h"
+#include "value_rules.h"
 
 #include <superray/storage/occupancy_map.h>
 
@@ -56,10 +56,10 @@ class TreeStorage {
             fold.touchedCells(BlockMask<Dim>::kWords, misses, hits, touched.words.data());
             BlockSaturation<Dim> block = saturation(batch.key(b), model.min());
             if (block.saturatedFree.all() && !hits) continue;  // misses change nothing
-            writer.updateBlock(morton, touched, model.min(), block.saturatedFree,
-                               [&](int i, float value) {
-                return model.updated(value, misses[i], hits ? hits[i] : 0u, policy);
-            });
+            writer.updateBlock(
+                morton, touched, model.min(), block.saturatedFree, [&](int i, float value) {
+                    return model.updated(value, misses[i], hits ? hits[i] : 0u, policy);
+                });
             block.mayExceedUnknown |= hits != nullptr;
             cache.put(batch.key(b), block);
         }
