@@ -1,5 +1,7 @@
 #include "beam_finder.h"
 
+#include <superray/core/parallel.h>
+
 #include <cmath>
 
 #include "walk_kernel.h"
@@ -28,28 +30,43 @@ double typicalLength(const RayDirections<Dim>& directions) {
 }  // namespace
 
 template <int Dim>
-void BeamFinder<Dim>::find(const RayBundle<Dim>& rays) {
+void BeamFinder<Dim>::find(const RayBundle<Dim>& rays, std::size_t shares) {
     static const FindDirections<Dim> findDirections = bestKernels<Dim>().findDirections;
-    directions_.resize(rays.size());
-    findDirections(rays, directions_);
+    const std::size_t count = rays.size();
+    directions_.resize(count);
+    inParallel(shares, [&](std::size_t s) {
+        findDirections(rays, count * s / shares, count * (s + 1) / shares, directions_);
+    });
     const double width = kWidth / std::max(typicalLength(directions_), kWidth);
     sorted_ = false;
-    gather(directions_, static_cast<float>(width));
-    const auto count = static_cast<double>(rays.size());
-    if (count >= kGoodOrder * static_cast<double>(beams_.size())) return;
+    gather(directions_, static_cast<float>(width), shares);
+    std::size_t beams = 0;
+    for (std::size_t s = 0; s < shares; ++s) beams += beams_[s].size();
+    if (static_cast<double>(count) >= kGoodOrder * static_cast<double>(beams)) return;
 
-    const double affordable = kBinsPerRay * count;
+    const double affordable = kBinsPerRay * static_cast<double>(count);
     const double most = Dim == 2 ? affordable / 32 : std::sqrt(affordable / 32);
     sort(std::max(1, static_cast<int>(std::min(1 / width, most))));
-    gather(sortedDirections_, static_cast<float>(1.5 * width));
+    gather(sortedDirections_, static_cast<float>(1.5 * width), shares);
+}
+
+template <int Dim>
+void BeamFinder<Dim>::gather(const RayDirections<Dim>& directions, float widest,
+                             std::size_t shares) {
+    if (beams_.size() < shares) beams_.resize(shares);
+    const std::size_t count = directions.kind.size();
+    inParallel(shares, [&](std::size_t s) {
+        gather(directions, widest, count * s / shares, count * (s + 1) / shares, beams_[s]);
+    });
 }
 
 /// Makes beams of consecutive rays.
 template <int Dim>
-void BeamFinder<Dim>::gather(const RayDirections<Dim>& d, float widest) {
-    beams_.clear();
-    const auto count = static_cast<std::uint32_t>(d.kind.size());
-    for (std::uint32_t i = 0; i < count;) {
+void BeamFinder<Dim>::gather(const RayDirections<Dim>& d, float widest, std::size_t begin,
+                             std::size_t end, std::vector<BeamRays<Dim>>& beams) {
+    beams.clear();
+    const auto count = static_cast<std::uint32_t>(end);
+    for (auto i = static_cast<std::uint32_t>(begin); i < count;) {
         BeamRays<Dim> beam{i, i + 1, d.kind[i], d.length[i], {}, {}};
         for (int m = 0; m < Dim - 1; ++m) beam.low[m] = beam.high[m] = d.slope[m][i];
         const auto most = std::min<std::size_t>(count, i + kMostRays);
@@ -69,7 +86,7 @@ void BeamFinder<Dim>::gather(const RayDirections<Dim>& d, float widest) {
                 beam.length = std::max(beam.length, d.length[beam.end]);
             }
         }
-        beams_.push_back(beam);
+        beams.push_back(beam);
         i = beam.end;
     }
 }

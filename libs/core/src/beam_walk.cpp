@@ -21,23 +21,22 @@ std::size_t stridesOf(std::size_t rays) {
 
 template <int Dim>
 void BeamWalk<Dim>::walk(const RayBundle<Dim>& rays, const BeamFinder<Dim>& finder,
-                         std::size_t begin, std::size_t end, WalkState<Dim>& state) {
+                         std::size_t share, WalkState<Dim>& state) {
     static const WalkKernels<Dim> best = bestKernels<Dim>(), portable = portableKernels<Dim>();
     kernels_ = state.directory.dense() ? best : portable;
     rays_ = &rays;
     finder_ = &finder;
     state_ = &state;
     culled_ = 0;
-    if (begin == end) return;
-    const std::vector<BeamRays<Dim>>& beams = finder.beams();
-    addHits(beams[begin].begin, beams[end - 1].end);
+    const std::vector<BeamRays<Dim>>& beams = finder.beams(share);
+    if (beams.empty()) return;
+    addHits(beams.front().begin, beams.back().end);
     origin_ = RayLine<Dim>::unitsOf(rays.geometry(), rays.commonOrigin());
 
     // First some rays of each beam: evenly spread ones, for these saturate the
     // most. Then, where that was not enough, the others.
     open_.clear();
-    for (std::size_t b = begin; b < end; ++b) {
-        BeamRays<Dim> beam = beams[b];
+    for (BeamRays<Dim> beam : beams) {
         beam.slice = lookAhead(beam);
         if (beam.slice < 0) {
             culled_ += beam.end - beam.begin;

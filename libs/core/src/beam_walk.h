@@ -13,10 +13,10 @@ namespace superray {
 template <int Dim>
 class BeamWalk {
  public:
-    /// Walks beams[begin, end) into `state`, misses and hits.
+    /// Walks one share of the beams into `state`, misses and hits.
     /// \pre state.reset() and state.countMapSaturation() were called
-    void walk(const RayBundle<Dim>& rays, const BeamFinder<Dim>& beams, std::size_t begin,
-              std::size_t end, WalkState<Dim>& state);
+    void walk(const RayBundle<Dim>& rays, const BeamFinder<Dim>& finder, std::size_t share,
+              WalkState<Dim>& state);
 
     /// Rays of the last walk() that were cut short or left out.
     std::uint64_t culled() const { return culled_; }

@@ -31,8 +31,9 @@ struct RayDirections {
     }
 };
 
-/// \pre out.resize(rays.size()) was called
+/// Of the rays [begin, end). \pre out.resize(rays.size()) was called
 template <int Dim>
-using FindDirections = void (*)(const RayBundle<Dim>& rays, RayDirections<Dim>& out);
+using FindDirections = void (*)(const RayBundle<Dim>& rays, std::size_t begin, std::size_t end,
+                                RayDirections<Dim>& out);
 
 }  // namespace superray

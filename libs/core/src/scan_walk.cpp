@@ -1,8 +1,8 @@
 #include "scan_walk.h"
 
+#include <superray/core/parallel.h>
+
 #include <algorithm>
-#include <exception>
-#include <thread>
 
 namespace superray {
 namespace {
@@ -10,44 +10,37 @@ namespace {
 /// Rays that repay a thread.
 constexpr std::size_t kRaysPerShare = 256;
 
-/// Adds the counts of `from` to `to`.
+/// Adds `more` to `sum`, saturating.
 template <int Dim>
-void mergeInto(WalkState<Dim>& to, const WalkState<Dim>& from) {
-    const auto add = [](std::uint8_t* sum, const std::uint8_t* more) {
-        for (int i = 0; i < kBlockCells<Dim>; ++i) {
-            const unsigned s = unsigned{sum[i]} + more[i];
-            sum[i] = static_cast<std::uint8_t>(s > 255 ? 255 : s);
-        }
-    };
+void add(std::uint8_t* sum, const std::uint8_t* more) {
+    for (int i = 0; i < kBlockCells<Dim>; ++i) {
+        const unsigned s = unsigned{sum[i]} + more[i];
+        sum[i] = static_cast<std::uint8_t>(s > 255 ? 255 : s);
+    }
+}
+
+/// What becomes of blocks that the sum has no counts of.
+enum class NewBlocks { copied, borrowed };
+
+/// Adds the counts of `from` to those of `to`.
+template <int Dim>
+void mergeInto(WalkState<Dim>& to, const WalkState<Dim>& from, NewBlocks newBlocks) {
     for (std::size_t b = 0; b < from.batch.blockCount(); ++b) {
-        const std::uint32_t block = to.batchBlock(from.batch.key(b));
-        add(to.batch.missesOf(block), from.batch.misses(b));
-        if (from.batch.hits(b) != nullptr) add(to.batch.hitsOf(block), from.batch.hits(b));
+        const BlockKey<Dim>& key = from.batch.key(b);
+        const std::uint8_t* const hits = from.batch.hits(b);
+        std::optional<std::uint32_t> own = to.ownBatchBlock(key);
+        if (!own && newBlocks == NewBlocks::borrowed) {
+            to.batch.borrowBlock(key, from.batch.misses(b), hits);
+            continue;
+        }
+        if (!own) own = to.batchBlock(key);
+        add<Dim>(to.batch.missesOf(*own), from.batch.misses(b));
+        if (hits != nullptr) add<Dim>(to.batch.hitsOf(*own), hits);
     }
     to.traversed += from.traversed;
 }
 
 }  // namespace
-
-/// Runs work(share) for each share, the first in this thread.
-template <int Dim>
-template <typename Work>
-void ScanWalk<Dim>::inParallel(const Work& work) {
-    std::vector<std::exception_ptr> failures(shareCount_);
-    const auto guarded = [&](std::size_t s) {
-        try {
-            work(s, shares_[s]);
-        } catch (...) {
-            failures[s] = std::current_exception();
-        }
-    };
-    std::vector<std::thread> threads;
-    for (std::size_t s = 1; s < shareCount_; ++s) threads.emplace_back(guarded, s);
-    guarded(0);
-    for (std::thread& t : threads) t.join();
-    for (const std::exception_ptr& failure : failures)
-        if (failure) std::rethrow_exception(failure);
-}
 
 template <int Dim>
 void ScanWalk<Dim>::begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& extent,
@@ -57,7 +50,8 @@ void ScanWalk<Dim>::begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& ext
     shareCount_ =
         std::max<std::size_t>(1, std::min<std::size_t>(threads, rays.size() / kRaysPerShare));
     if (shares_.size() < shareCount_) shares_.resize(shareCount_);
-    inParallel([&](std::size_t, Share& share) {
+    inParallel(shareCount_, [&](std::size_t s) {
+        Share& share = shares_[s];
         share.state.reset(blocks);
         share.culled = 0;
     });
@@ -65,7 +59,8 @@ void ScanWalk<Dim>::begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& ext
 
 template <int Dim>
 void ScanWalk<Dim>::countEndCells() {
-    inParallel([&](std::size_t s, Share& share) {
+    inParallel(shareCount_, [&](std::size_t s) {
+        Share& share = shares_[s];
         share.ends.assign(*rays_, firstRay(s, rays_->size()), firstRay(s + 1, rays_->size()),
                           share.state.directory.box());
         share.ends.addHits(share.state);
@@ -76,7 +71,8 @@ template <int Dim>
 void ScanWalk<Dim>::walkSuperRays(const std::vector<SuperRay>& superRays,
                                   const CullingRegion<Dim>& region) {
     countEndCells();
-    inParallel([&](std::size_t s, Share& share) {
+    inParallel(shareCount_, [&](std::size_t s) {
+        Share& share = shares_[s];
         RayWalker<Dim> walker(share.state, *rays_, region);
         const std::size_t end = firstRay(s + 1, superRays.size());
         for (std::size_t i = firstRay(s, superRays.size()); i < end; ++i)
@@ -89,7 +85,8 @@ template <int Dim>
 void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
     countEndCells();
     const bool culling = !region.empty() && rays_->hasCommonOrigin();
-    inParallel([&](std::size_t s, Share& share) {
+    inParallel(shareCount_, [&](std::size_t s) {
+        Share& share = shares_[s];
         if (culling) share.ends.findEnclosed(region);
         RayWalker<Dim> walker(share.state, *rays_, region);
         const std::size_t end = firstRay(s + 1, rays_->size());
@@ -106,21 +103,20 @@ void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
 template <int Dim>
 void ScanWalk<Dim>::walkBeams(const SaturationSource<Dim>* map, const SensorModel& model,
                               UpdatePolicy policy) {
-    finder_.find(*rays_);
-    inParallel([&](std::size_t s, Share& share) {
+    finder_.find(*rays_, shareCount_);
+    inParallel(shareCount_, [&](std::size_t s) {
+        Share& share = shares_[s];
         share.state.countMapSaturation(map, model, policy);
-        const std::size_t beams = finder_.beams().size();
-        share.beams.walk(*rays_, finder_, firstRay(s, beams), firstRay(s + 1, beams),
-                         share.state);
+        share.beams.walk(*rays_, finder_, s, share.state);
         share.culled += share.beams.culled();
     });
 }
 
 template <int Dim>
 const WalkState<Dim>& ScanWalk<Dim>::finish() {
-    for (std::size_t s = 0; s < shareCount_; ++s) {
-        if (s > 0) mergeInto(shares_[0].state, shares_[s].state);
-    }
+    for (std::size_t s = 1; s < shareCount_; ++s)
+        mergeInto(shares_[0].state, shares_[s].state,
+                  s + 1 == shareCount_ ? NewBlocks::borrowed : NewBlocks::copied);
     return shares_[0].state;
 }
 

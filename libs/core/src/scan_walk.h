@@ -50,8 +50,6 @@ class ScanWalk {
         std::uint64_t culled = 0;
     };
 
-    template <typename Work>
-    void inParallel(const Work& work);
     std::size_t firstRay(std::size_t share, std::size_t rays) const {
         return rays * share / shareCount_;
     }

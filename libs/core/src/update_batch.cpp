@@ -40,6 +40,7 @@ std::uint8_t* UpdateBatch<Dim>::hitsOf(std::uint32_t block) {
 template <int Dim>
 void UpdateBatch<Dim>::clear() {
     keys_.clear();
+    borrowed_.clear();
     hitSlots_.clear();
     misses_.resize(kCells);
     hits_.clear();

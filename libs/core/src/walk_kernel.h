@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -99,6 +100,12 @@ struct WalkState {
     /// out of the product). \pre number != 0
     static std::uint32_t offset(std::uint32_t number) {
         return (number - 1) * static_cast<std::uint32_t>(kBlockCells<Dim>);
+    }
+    /// Batch block of a block with counts of its own; nothing for others.
+    std::optional<std::uint32_t> ownBatchBlock(const BlockKey<Dim>& key) const {
+        const std::uint32_t n = directory.number(key) & ~kMayExceedUnknown;
+        if (n < kFirstBlock) return std::nullopt;
+        return n - kFirstBlock;
     }
     /// Batch block of a block, which gets counts of its own if it had none.
     std::uint32_t batchBlock(const BlockKey<Dim>& key) {

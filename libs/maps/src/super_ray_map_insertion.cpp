@@ -120,7 +120,7 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
             report.work = integrator_.statistics();
             recordChange(batch);
             view_->applied(batch);
-            map.apply(batch, model, integration.policy);
+            map.apply(batch, model, integration.policy, integration.threads);
             applied = &batch;
         }
         addStatistics(rays);

@@ -1,3 +1,4 @@
+#include <superray/core/parallel.h>
 #include <superray/storage/block_grid.h>
 
 #include "block_table.h"
@@ -29,6 +30,27 @@ struct Payload {
     std::array<std::uint32_t, kLayers> layers;
 };
 
+/// Blocks that repay a thread, and that one thread makes before it folds them.
+constexpr std::size_t kBlocksPerShare = 512, kBlocksAtOnce = 16;
+/// Blocks that threads fold at once.
+constexpr std::size_t kBlocksOfThreads = 1 << 14;
+
+/// A block of a batch on its way into the map.
+template <int Dim>
+struct Pending {
+    BlockMask<Dim> touched;
+    Payload<Dim>* payload;  ///< nullptr: nothing to do
+    std::array<float*, Payload<Dim>::kLayers> values;
+    std::uint32_t fresh;  ///< bit z: layer z is new and its values unspecified
+    bool uniform;
+
+    /// Makes all cells of new layers 0, as unknown ones are.
+    void clear() {
+        for (int z = 0; payload != nullptr && z < Payload<Dim>::kLayers; ++z)
+            if (fresh >> z & 1) std::fill_n(values[z], 64, 0.0f);
+    }
+};
+
 constexpr std::uint32_t kUniform = ~std::uint32_t{0};
 
 /// A block is uniform (all cells known, one value) or has a payload.
@@ -46,6 +68,7 @@ struct BlockGrid<Dim>::Impl {
     ChunkedPool<Payload<Dim>, 64> payloads;
     ChunkedPool<Layer, 64> layers;
     SaturationClamp clamp;
+    std::vector<Pending<Dim>> pending;  // scratch of apply()
 
     const Block* find(const BlockKey<Dim>& key) const {
         const std::uint32_t slot = table.find(key);
@@ -129,6 +152,30 @@ struct BlockGrid<Dim>::Impl {
         });
     }
 
+    /// Makes what the touched cells of a block need. \pre p.touched is set
+    void prepare(Pending<Dim>& p, const BlockKey<Dim>& key, bool hit) {
+        p.payload = nullptr;
+        if (!p.touched.any()) return;
+        Block* block = find(key);
+        if (block && block->payload == kUniform && clamp.isAt(block->uniform) && !hit)
+            return;  // saturated free: misses change nothing
+        if (!block) block = &add(key);
+        Payload<Dim>& payload = expand(*block);
+        payload.wasHit |= hit;
+        p.payload = &payload;
+        p.fresh = 0;
+        for (int z = 0; z < Payload<Dim>::kLayers; ++z) {
+            p.values[z] = nullptr;
+            if (p.touched.words[z] == 0) continue;
+            if (payload.layers[z] == kNoLayer) {
+                const std::uint32_t layer = layers.allocate();
+                payload.layers[z] = layer;
+                p.fresh |= 1u << z;
+            }
+            p.values[z] = layers[payload.layers[z]].values.data();
+        }
+    }
+
     /// Gives the payload back if the block has become uniform.
     void collapse(Block& block) {
         const Payload<Dim>& p = payloads[block.payload];
@@ -193,34 +240,57 @@ void BlockGrid<Dim>::swapContents(OccupancyMap<Dim>& other) {
 
 template <int Dim>
 void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& model,
-                           UpdatePolicy policy) {
+                           UpdatePolicy policy, unsigned threads) {
     for (std::size_t b = 0; b < batch.blockCount(); ++b)
         requireAddressableBlock<Dim>(batch.key(b));
     impl_->useClamp(model.min());
 
     const FoldModel foldModel(model, policy);
     const FoldVersion& fold = foldForThisCpu();
-    constexpr int kLayers = Payload<Dim>::kLayers;
-    for (std::size_t b = 0; b < batch.blockCount(); ++b) {
-        const std::uint8_t* misses = batch.misses(b);
-        const std::uint8_t* hits = batch.hits(b);
-        Block* block = impl_->find(batch.key(b));
-        if (block && block->payload == kUniform && block->uniform == model.min() && !hits)
-            continue;  // saturated free: misses change nothing
-        BlockMask<Dim> touched;
-        fold.touchedCells(kLayers, misses, hits, touched.words.data());
-        if (!touched.any()) continue;
-        if (!block) block = &impl_->add(batch.key(b));
-        Payload<Dim>& p = impl_->expand(*block);
-        p.wasHit |= hits != nullptr;
-        std::array<float*, kLayers> values;
-        for (int z = 0; z < kLayers; ++z)
-            values[z] = touched.words[z] ? impl_->layer(p, z) : nullptr;
-        fold.foldCounts(foldModel,
-                        {kLayers, values.data(), touched.words.data(), p.known.words.data(),
-                         p.saturated.words.data()},
-                        misses, hits);
-        impl_->collapse(*block);
+    const std::size_t shares = std::max<std::size_t>(
+        1, std::min<std::size_t>(threads, batch.blockCount() / kBlocksPerShare));
+    // Blocks and layers are made by one thread, some blocks ahead of the
+    // folding, so that what it has just made is still in the cache.
+    const std::size_t step = shares == 1 ? kBlocksAtOnce : kBlocksOfThreads;
+    for (std::size_t first = 0; first < batch.blockCount(); first += step) {
+        const std::size_t last = std::min(batch.blockCount(), first + step);
+        impl_->pending.resize(last - first);
+        const auto forShare = [&](std::size_t share, const auto& work) {
+            const std::size_t n = last - first;
+            for (std::size_t i = n * share / shares; i < n * (share + 1) / shares; ++i)
+                work(impl_->pending[i], batch.misses(first + i), batch.hits(first + i));
+        };
+        inParallel(shares, [&](std::size_t share) {
+            forShare(share, [&](Pending<Dim>& p, const std::uint8_t* misses,
+                                const std::uint8_t* hits) {
+                fold.touchedCells(Payload<Dim>::kLayers, misses, hits, p.touched.words.data());
+            });
+        });
+        std::size_t prepared = first;
+        try {
+            for (; prepared < last; ++prepared)
+                impl_->prepare(impl_->pending[prepared - first], batch.key(prepared),
+                               batch.hits(prepared) != nullptr);
+        } catch (...) {
+            for (std::size_t b = first; b <= prepared; ++b) impl_->pending[b - first].clear();
+            throw;
+        }
+        inParallel(shares, [&](std::size_t share) {
+            forShare(share, [&](Pending<Dim>& p, const std::uint8_t* misses,
+                                const std::uint8_t* hits) {
+                if (p.payload == nullptr) return;
+                p.clear();
+                fold.foldCounts(
+                    foldModel,
+                    {Payload<Dim>::kLayers, p.values.data(), p.touched.words.data(),
+                     p.payload->known.words.data(), p.payload->saturated.words.data()},
+                    misses, hits);
+                p.uniform = impl_->isUniform(*p.payload);
+            });
+        });
+        for (std::size_t b = first; b < last; ++b)
+            if (const Pending<Dim>& p = impl_->pending[b - first]; p.payload && p.uniform)
+                impl_->collapse(*impl_->find(batch.key(b)));
     }
 }
 

@@ -176,7 +176,8 @@ void Octree::swapContents(OccupancyMap<3>& other) {
     std::swap(impl_->cache, o.impl_->cache);
 }
 
-void Octree::apply(const UpdateBatch<3>& batch, const SensorModel& model, UpdatePolicy policy) {
+void Octree::apply(const UpdateBatch<3>& batch, const SensorModel& model, UpdatePolicy policy,
+                   unsigned /*threads*/) {
     impl_->nodes.use(model.probabilities());
     impl_->apply(batch, model, policy);
 }

@@ -115,8 +115,8 @@ void Quadtree::swapContents(OccupancyMap<2>& other) {
     impl_.swap(o.impl_);
 }
 
-void Quadtree::apply(const UpdateBatch<2>& batch, const SensorModel& model,
-                     UpdatePolicy policy) {
+void Quadtree::apply(const UpdateBatch<2>& batch, const SensorModel& model, UpdatePolicy policy,
+                   unsigned /*threads*/) {
     impl_->apply(batch, model, policy);
 }
 

@@ -23,9 +23,12 @@ class UpdateBatch {
     std::size_t blockCount() const { return keys_.size(); }
     const BlockKey<Dim>& key(std::size_t block) const { return keys_[block]; }
     /// kCells miss counts, index as indexInBlock().
-    const std::uint8_t* misses(std::size_t block) const { return misses_.data() + slot(block); }
+    const std::uint8_t* misses(std::size_t block) const {
+        return block < own() ? misses_.data() + slot(block) : borrowed_[block - own()].misses;
+    }
     /// kCells hit counts, or nullptr if no ray ends in this block.
     const std::uint8_t* hits(std::size_t block) const {
+        if (block >= own()) return borrowed_[block - own()].hits;
         return hitSlots_[block] < 0 ? nullptr : hits_.data() + hitSlot(block);
     }
     /// Cells with a miss or a hit (a block may have none: skip it).
@@ -40,6 +43,13 @@ class UpdateBatch {
     /// All miss counts, for walks: first those of no block, which are all
     /// kMaxCount (misses of blocks that need none go there), then block by block.
     std::uint8_t* missArena() { return misses_.data(); }
+    /// Appends a block with counts that another batch keeps. No block can be
+    /// added afterwards. \param hits may be nullptr
+    void borrowBlock(const BlockKey<Dim>& key, const std::uint8_t* misses,
+                     const std::uint8_t* hits) {
+        keys_.push_back(key);
+        borrowed_.push_back({misses, hits});
+    }
     /// Forgets all blocks; keeps the memory.
     void clear();
     std::size_t memoryBytes() const;
@@ -52,7 +62,14 @@ class UpdateBatch {
         return static_cast<std::size_t>(hitSlots_[block]) * kCells;
     }
 
-    std::vector<BlockKey<Dim>> keys_;
+    struct Borrowed {
+        const std::uint8_t* misses;
+        const std::uint8_t* hits;
+    };
+    std::size_t own() const { return hitSlots_.size(); }
+
+    std::vector<BlockKey<Dim>> keys_;  // own ones, then borrowed ones
+    std::vector<Borrowed> borrowed_;
     std::vector<std::int32_t> hitSlots_;  // -1: none
     std::vector<std::uint8_t> misses_ = std::vector<std::uint8_t>(kCells, 255), hits_;
 };

@@ -8,17 +8,18 @@ namespace superray {
 
 template <int Dim>
 class BlockGrid final : public OccupancyMap<Dim> {
-   public:
+ public:
     explicit BlockGrid(const CellGeometry<Dim>& geometry);
     BlockGrid(const BlockGrid&);
     ~BlockGrid() override;
 
     std::unique_ptr<OccupancyMap<Dim>> clone() const override;
-    std::unique_ptr<OccupancyMap<Dim>> emptyLike(const CellGeometry<Dim>& geometry) const override;
+    std::unique_ptr<OccupancyMap<Dim>> emptyLike(
+        const CellGeometry<Dim>& geometry) const override;
     void swapContents(OccupancyMap<Dim>& other) override;
     using OccupancyMap<Dim>::apply;
-    void apply(const UpdateBatch<Dim>& batch, const SensorModel& model,
-               UpdatePolicy policy) override;
+    void apply(const UpdateBatch<Dim>& batch, const SensorModel& model, UpdatePolicy policy,
+               unsigned threads) override;
     std::optional<float> logOdds(const Cell<Dim>& cell) const override;
     void setLogOdds(const Cell<Dim>& cell, float value) override;
     void setBlock(const BlockView<Dim>& block) override;
@@ -30,7 +31,7 @@ class BlockGrid final : public OccupancyMap<Dim> {
     std::size_t memoryBytes() const override;
     BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float lowerClamp) const override;
 
-   private:
+ private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

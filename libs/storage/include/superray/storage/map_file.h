@@ -15,7 +15,7 @@ namespace superray {
 
 /// A file that is not what it should be: names the file, the place and the rule.
 class MapFileError : public std::runtime_error {
-   public:
+ public:
     using std::runtime_error::runtime_error;
 };
 

@@ -30,7 +30,7 @@ struct BlockView {
 /// Not thread-safe for writing; const members may be called concurrently.
 template <int Dim>
 class OccupancyMap : public SaturationSource<Dim> {
-   public:
+ public:
     using BlockVisitor = std::function<void(const BlockView<Dim>&)>;
 
     explicit OccupancyMap(const CellGeometry<Dim>& geometry) : geometry_(geometry) {}
@@ -40,7 +40,8 @@ class OccupancyMap : public SaturationSource<Dim> {
     /// A deep copy.
     virtual std::unique_ptr<OccupancyMap> clone() const = 0;
     /// An empty map of the same type.
-    virtual std::unique_ptr<OccupancyMap> emptyLike(const CellGeometry<Dim>& geometry) const = 0;
+    virtual std::unique_ptr<OccupancyMap> emptyLike(
+        const CellGeometry<Dim>& geometry) const = 0;
 
     /// Exchanges the contents with a map of the same type.
     /// \throws std::bad_cast if the types differ, std::invalid_argument if the
@@ -49,10 +50,14 @@ class OccupancyMap : public SaturationSource<Dim> {
 
     /// Applies a scan (design rules 4 and 5): for every touched cell
     /// value = model.updated(value or 0, misses, hits, policy), bit for bit.
+    /// \param threads at most so many; the result does not depend on it
     /// \throws std::out_of_range if a block is not addressable (kCellLimit);
     /// nothing is applied then
     virtual void apply(const UpdateBatch<Dim>& batch, const SensorModel& model,
-                       UpdatePolicy policy) = 0;
+                       UpdatePolicy policy, unsigned threads) = 0;
+    void apply(const UpdateBatch<Dim>& batch, const SensorModel& model, UpdatePolicy policy) {
+        apply(batch, model, policy, 1);
+    }
 
     /// The same from exact counts, cell by cell (method `reference`).
     void apply(const CellCountMap<Dim>& counts, const SensorModel& model, UpdatePolicy policy);
@@ -79,11 +84,11 @@ class OccupancyMap : public SaturationSource<Dim> {
     /// Bytes held by the contents (allocator overhead included as far as known).
     virtual std::size_t memoryBytes() const = 0;
 
-   protected:
+ protected:
     OccupancyMap(const OccupancyMap&) = default;
     OccupancyMap& operator=(const OccupancyMap&) = default;
 
-   private:
+ private:
     CellGeometry<Dim> geometry_;
 };
 

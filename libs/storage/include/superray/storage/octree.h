@@ -11,7 +11,7 @@ class OcTree;
 namespace superray {
 
 class Octree final : public OccupancyMap<3> {
-   public:
+ public:
     explicit Octree(const CellGeometry<3>& geometry);
     Octree(const Octree&);
     ~Octree() override;
@@ -25,7 +25,8 @@ class Octree final : public OccupancyMap<3> {
     std::unique_ptr<OccupancyMap<3>> emptyLike(const CellGeometry<3>& geometry) const override;
     void swapContents(OccupancyMap<3>& other) override;
     using OccupancyMap<3>::apply;
-    void apply(const UpdateBatch<3>& batch, const SensorModel& model, UpdatePolicy policy) override;
+    void apply(const UpdateBatch<3>& batch, const SensorModel& model, UpdatePolicy policy,
+               unsigned threads) override;
     std::optional<float> logOdds(const Cell<3>& cell) const override;
     void setLogOdds(const Cell<3>& cell, float value) override;
     void setBlock(const BlockView<3>& block) override;
@@ -36,7 +37,7 @@ class Octree final : public OccupancyMap<3> {
     std::size_t memoryBytes() const override;
     BlockSaturation<3> saturation(const BlockKey<3>& key, float lowerClamp) const override;
 
-   private:
+ private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

@@ -7,7 +7,7 @@
 namespace superray {
 
 class Quadtree final : public OccupancyMap<2> {
-   public:
+ public:
     explicit Quadtree(const CellGeometry<2>& geometry);
     Quadtree(const Quadtree&);
     ~Quadtree() override;
@@ -16,7 +16,8 @@ class Quadtree final : public OccupancyMap<2> {
     std::unique_ptr<OccupancyMap<2>> emptyLike(const CellGeometry<2>& geometry) const override;
     void swapContents(OccupancyMap<2>& other) override;
     using OccupancyMap<2>::apply;
-    void apply(const UpdateBatch<2>& batch, const SensorModel& model, UpdatePolicy policy) override;
+    void apply(const UpdateBatch<2>& batch, const SensorModel& model, UpdatePolicy policy,
+               unsigned threads) override;
     std::optional<float> logOdds(const Cell<2>& cell) const override;
     void setLogOdds(const Cell<2>& cell, float value) override;
     void setBlock(const BlockView<2>& block) override;
@@ -27,7 +28,7 @@ class Quadtree final : public OccupancyMap<2> {
     std::size_t memoryBytes() const override;
     BlockSaturation<2> saturation(const BlockKey<2>& key, float lowerClamp) const override;
 
-   private:
+ private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
