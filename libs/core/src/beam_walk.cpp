@@ -20,23 +20,23 @@ std::size_t stridesOf(std::size_t rays) {
 }  // namespace
 
 template <int Dim>
-void BeamWalk<Dim>::walk(const RayBundle<Dim>& rays, const BeamFinder<Dim>& finder,
-                         std::size_t share, WalkState<Dim>& state) {
+void BeamWalk<Dim>::begin(const RayBundle<Dim>& rays, const BeamFinder<Dim>& finder,
+                          WalkState<Dim>& state) {
     static const WalkKernels<Dim> best = bestKernels<Dim>(), portable = portableKernels<Dim>();
     kernels_ = state.directory.dense() ? best : portable;
     rays_ = &rays;
     finder_ = &finder;
     state_ = &state;
     culled_ = 0;
-    const std::vector<BeamRays<Dim>>& beams = finder.beams(share);
-    if (beams.empty()) return;
-    addHits(beams.front().begin, beams.back().end);
     origin_ = RayLine<Dim>::unitsOf(rays.geometry(), rays.commonOrigin());
+}
 
-    // First some rays of each beam: evenly spread ones, for these saturate the
-    // most. Then, where that was not enough, the others.
-    open_.clear();
-    for (BeamRays<Dim> beam : beams) {
+template <int Dim>
+void BeamWalk<Dim>::walkFirst(const BeamRays<Dim>* first, const BeamRays<Dim>* last,
+                              Beams& open) {
+    open.clear();
+    for (; first != last; ++first) {
+        BeamRays<Dim> beam = *first;
         beam.slice = lookAhead(beam);
         if (beam.slice < 0) {
             culled_ += beam.end - beam.begin;
@@ -44,9 +44,13 @@ void BeamWalk<Dim>::walk(const RayBundle<Dim>& rays, const BeamFinder<Dim>& find
         }
         const std::size_t strides = stridesOf(beam.end - beam.begin);
         walkRays(beam, 0, strides);
-        if (strides > 1) open_.push_back(beam);
+        if (strides > 1) open.push_back(beam);
     }
-    for (BeamRays<Dim>& beam : open_) {
+}
+
+template <int Dim>
+void BeamWalk<Dim>::walkRest(Beams& open) {
+    for (BeamRays<Dim>& beam : open) {
         const std::size_t strides = stridesOf(beam.end - beam.begin);
         for (std::size_t s = 1; s < strides; ++s) {
             beam.slice = lookAhead(beam);
@@ -58,7 +62,6 @@ void BeamWalk<Dim>::walk(const RayBundle<Dim>& rays, const BeamFinder<Dim>& find
             walkRays(beam, s, strides);
         }
     }
-    state.flush(1);
 }
 
 /// First slice, from beam.slice on, that has something to tell; -1 if none.
@@ -102,10 +105,11 @@ void BeamWalk<Dim>::walkRays(const BeamRays<Dim>& beam, std::size_t first, std::
 }
 
 template <int Dim>
-void BeamWalk<Dim>::addHits(std::size_t begin, std::size_t end) {
+void BeamWalk<Dim>::addHits(const Beams& beams) {
     BlockKey<Dim> current{};
     std::uint8_t* hits = nullptr;  // consecutive points often share a block
-    for (std::size_t i = begin; i < end; ++i) {
+    const std::size_t end = beams.empty() ? 0 : beams.back().end;
+    for (std::size_t i = beams.empty() ? 0 : beams.front().begin; i < end; ++i) {
         const std::uint32_t ray = finder_->ray(i);
         if (rays_->kinds()[ray] != RayEnd::hit) continue;
         const Cell<Dim> cell = rays_->geometry().cellOf(rays_->end(ray));

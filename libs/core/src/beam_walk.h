@@ -9,29 +9,43 @@
 
 namespace superray {
 
-/// One thread's part of a scan.
+/// One thread's part of a scan: begin(), addHits(), then any number of
+/// walkFirst(), then any number of walkRest(), then end().
 template <int Dim>
 class BeamWalk {
  public:
-    /// Walks one share of the beams into `state`, misses and hits.
-    /// \pre state.reset() and state.countMapSaturation() were called
-    void walk(const RayBundle<Dim>& rays, const BeamFinder<Dim>& finder, std::size_t share,
-              WalkState<Dim>& state);
+    using Beams = std::vector<BeamRays<Dim>>;
 
-    /// Rays of the last walk() that were cut short or left out.
+    /// \pre state.reset() and state.countMapSaturation() were called
+    void begin(const RayBundle<Dim>& rays, const BeamFinder<Dim>& finder,
+               WalkState<Dim>& state);
+
+    /// Counts the hits of all rays of some beams. Those that make misses
+    /// irrelevant spare the walks.
+    void addHits(const Beams& beams);
+
+    /// Walks some rays of each of the beams [first, last): evenly spread ones,
+    /// for these saturate the most.
+    /// \param open gets the beams that have more to tell
+    void walkFirst(const BeamRays<Dim>* first, const BeamRays<Dim>* last, Beams& open);
+
+    /// Walks what else the open beams have to tell.
+    void walkRest(Beams& open);
+
+    void end() { state_->flush(1); }
+
+    /// Rays that were cut short or left out, since begin().
     std::uint64_t culled() const { return culled_; }
 
  private:
     std::int32_t lookAhead(const BeamRays<Dim>& beam);
     void walkRays(const BeamRays<Dim>& beam, std::size_t first, std::size_t stride);
-    void addHits(std::size_t begin, std::size_t end);
 
     const RayBundle<Dim>* rays_ = nullptr;
     const BeamFinder<Dim>* finder_ = nullptr;
     WalkState<Dim>* state_ = nullptr;
     WalkKernels<Dim> kernels_;
     Units<Dim> origin_{};
-    std::vector<BeamRays<Dim>> open_;
     std::uint64_t culled_ = 0;
 };
 

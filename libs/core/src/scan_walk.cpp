@@ -3,12 +3,16 @@
 #include <superray/core/parallel.h>
 
 #include <algorithm>
+#include <atomic>
 
 namespace superray {
 namespace {
 
 /// Rays that repay a thread.
 constexpr std::size_t kRaysPerShare = 256;
+
+/// Beams that a thread takes at once: neighbours share blocks.
+constexpr std::size_t kBeamsPerChunk = 128;
 
 /// Adds `more` to `sum`, saturating.
 template <int Dim>
@@ -104,10 +108,34 @@ template <int Dim>
 void ScanWalk<Dim>::walkBeams(const SaturationSource<Dim>* map, const SensorModel& model,
                               UpdatePolicy policy) {
     finder_.find(*rays_, shareCount_);
+    chunks_.clear();
+    for (std::size_t s = 0; s < shareCount_; ++s) {
+        const std::vector<BeamRays<Dim>>& beams = finder_.beams(s);
+        for (std::size_t b = 0; b < beams.size(); b += kBeamsPerChunk)
+            chunks_.push_back(
+                {beams.data() + b, beams.data() + std::min(b + kBeamsPerChunk, beams.size())});
+    }
+    if (open_.size() < chunks_.size()) open_.resize(chunks_.size());
+
+    // Beams differ much in cost: each thread takes the next chunk when it is free.
+    std::atomic<std::size_t> next{0};
+    const auto forChunks = [&](const auto& work) {
+        for (std::size_t c = next++; c < chunks_.size(); c = next++) work(c);
+    };
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
         share.state.countMapSaturation(map, model, policy);
-        share.beams.walk(*rays_, finder_, s, share.state);
+        share.beams.begin(*rays_, finder_, share.state);
+        share.beams.addHits(finder_.beams(s));
+        forChunks([&](std::size_t c) {
+            share.beams.walkFirst(chunks_[c].first, chunks_[c].second, open_[c]);
+        });
+    });
+    next = 0;
+    inParallel(shareCount_, [&](std::size_t s) {
+        Share& share = shares_[s];
+        forChunks([&](std::size_t c) { share.beams.walkRest(open_[c]); });
+        share.beams.end();
         share.culled += share.beams.culled();
     });
 }

@@ -10,6 +10,7 @@
 #include "ray_walker.h"
 #include "scan_extent.h"
 
+#include <utility>
 #include <vector>
 
 namespace superray {
@@ -57,6 +58,8 @@ class ScanWalk {
 
     const RayBundle<Dim>* rays_ = nullptr;
     BeamFinder<Dim> finder_;
+    std::vector<std::pair<const BeamRays<Dim>*, const BeamRays<Dim>*>> chunks_;
+    std::vector<std::vector<BeamRays<Dim>>> open_;  // per chunk
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
 };
