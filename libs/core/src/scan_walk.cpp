@@ -2,8 +2,9 @@
 
 #include <superray/core/parallel.h>
 
+#include "chunk_queue.h"
+
 #include <algorithm>
-#include <atomic>
 
 namespace superray {
 namespace {
@@ -18,8 +19,8 @@ constexpr std::size_t kBeamsPerChunk = 128;
 template <int Dim>
 void add(std::uint8_t* sum, const std::uint8_t* more) {
     for (int i = 0; i < kBlockCells<Dim>; ++i) {
-        const unsigned s = unsigned{sum[i]} + more[i];
-        sum[i] = static_cast<std::uint8_t>(s > 255 ? 255 : s);
+        const auto s = static_cast<std::uint8_t>(sum[i] + more[i]);
+        sum[i] = s < more[i] ? std::uint8_t{255} : s;
     }
 }
 
@@ -117,24 +118,19 @@ void ScanWalk<Dim>::walkBeams(const SaturationSource<Dim>* map, const SensorMode
     }
     if (open_.size() < chunks_.size()) open_.resize(chunks_.size());
 
-    // Beams differ much in cost: each thread takes the next chunk when it is free.
-    std::atomic<std::size_t> next{0};
-    const auto forChunks = [&](const auto& work) {
-        for (std::size_t c = next++; c < chunks_.size(); c = next++) work(c);
-    };
+    // Beams differ much in cost, neighbours share blocks.
+    ChunkQueue first(chunks_.size(), shareCount_), rest(chunks_.size(), shareCount_);
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
         share.state.countMapSaturation(map, model, policy);
         share.beams.begin(*rays_, finder_, share.state);
         share.beams.addHits(finder_.beams(s));
-        forChunks([&](std::size_t c) {
-            share.beams.walkFirst(chunks_[c].first, chunks_[c].second, open_[c]);
-        });
+        while (const auto c = first.take(s))
+            share.beams.walkFirst(chunks_[*c].first, chunks_[*c].second, open_[*c]);
     });
-    next = 0;
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
-        forChunks([&](std::size_t c) { share.beams.walkRest(open_[c]); });
+        while (const auto c = rest.take(s)) share.beams.walkRest(open_[*c]);
         share.beams.end();
         share.culled += share.beams.culled();
     });
