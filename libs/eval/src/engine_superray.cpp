@@ -23,11 +23,11 @@ class SuperrayEngine final : public BenchEngine {
     void prepare(const PointScan& scan) override { scan_ = &scan; }
     void insert() override {
         const Stopwatch watch;
-        RayBundle<3> rays(geometry_, scan_->origin.cast<double>());
-        rays.reserve(scan_->points.size());
-        for (const Eigen::Vector3f& p : scan_->points) rays.add(p.cast<double>());
+        rays_.restart(scan_->origin.cast<double>());
+        rays_.reserve(scan_->points.size());
+        for (const Eigen::Vector3f& p : scan_->points) rays_.add(p.cast<double>());
         toRaysSeconds_ = watch.seconds();
-        map_.insertRays(rays);
+        map_.insertRays(rays_);
     }
     BenchWork work() const override {
         const TInsertionReport& report = map_.lastInsertion();
@@ -58,6 +58,7 @@ class SuperrayEngine final : public BenchEngine {
  private:
     Map map_;
     CellGeometry<3> geometry_;
+    RayBundle<3> rays_{geometry_, Point<3>::Zero()};  // keeps its memory
     const PointScan* scan_ = nullptr;
     double toRaysSeconds_ = 0;
 };
