@@ -13,7 +13,11 @@ namespace {
 constexpr std::size_t kRaysPerShare = 256;
 
 /// Beams that a thread takes at once: neighbours share blocks.
-constexpr std::size_t kBeamsPerChunk = 128;
+constexpr std::size_t kBeamsPerChunk = 512;
+
+/// Up to so many blocks (1 MiB), counts stay in the cache from one end of the
+/// scan to the other.
+constexpr std::size_t kCachedBlocks = 2048;
 
 /// Adds `more` to `sum`, saturating.
 template <int Dim>
@@ -51,6 +55,7 @@ template <int Dim>
 void ScanWalk<Dim>::begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& extent,
                           unsigned threads) {
     rays_ = &rays;
+    fitsCache_ = shares_[0].state.batch.blockCount() <= kCachedBlocks;  // the last scan
     const BlockBox<Dim> blocks = extent.blocks();
     shareCount_ =
         std::max<std::size_t>(1, std::min<std::size_t>(threads, rays.size() / kRaysPerShare));
@@ -118,19 +123,24 @@ void ScanWalk<Dim>::walkBeams(const SaturationSource<Dim>* map, const SensorMode
     }
     if (open_.size() < chunks_.size()) open_.resize(chunks_.size());
 
-    // Beams differ much in cost, neighbours share blocks.
+    // First some rays of all beams, then what these have left to tell: neighbours
+    // spare each other work. Where blocks do not stay in the cache, the way back
+    // costs more than it saves.
     ChunkQueue first(chunks_.size(), shareCount_), rest(chunks_.size(), shareCount_);
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
         share.state.countMapSaturation(map, model, policy);
         share.beams.begin(*rays_, finder_, share.state);
         share.beams.addHits(finder_.beams(s));
-        while (const auto c = first.take(s))
+        while (const auto c = first.take(s)) {
             share.beams.walkFirst(chunks_[*c].first, chunks_[*c].second, open_[*c]);
+            if (!fitsCache_) share.beams.walkRest(open_[*c]);
+        }
     });
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
-        while (const auto c = rest.take(s)) share.beams.walkRest(open_[*c]);
+        while (const auto c = fitsCache_ ? rest.take(s) : std::nullopt)
+            share.beams.walkRest(open_[*c]);
         share.beams.end();
         share.culled += share.beams.culled();
     });

@@ -62,6 +62,7 @@ class ScanWalk {
     std::vector<std::vector<BeamRays<Dim>>> open_;  // per chunk
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
+    bool fitsCache_ = true;
 };
 
 }  // namespace superray
