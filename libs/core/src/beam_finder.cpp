@@ -3,6 +3,7 @@
 #include <superray/core/parallel.h>
 
 #include <cmath>
+#include <utility>
 
 #include "walk_kernel.h"
 
@@ -15,7 +16,7 @@ constexpr std::size_t kMostRays = 16;
 /// Rays per beam that make sorting not worth while.
 constexpr double kGoodOrder = 8;
 /// Bins that one ray repays (clearing and adding up).
-constexpr double kBinsPerRay = 4;
+constexpr double kBinsPerRay = 1;
 
 template <int Dim>
 double typicalLength(const RayDirections<Dim>& directions) {
@@ -46,7 +47,7 @@ void BeamFinder<Dim>::find(const RayBundle<Dim>& rays, std::size_t shares) {
 
     const double affordable = kBinsPerRay * static_cast<double>(count);
     const double most = Dim == 2 ? affordable / 32 : std::sqrt(affordable / 32);
-    sort(std::max(1, static_cast<int>(std::min(1 / width, most))));
+    sort(std::max(1, static_cast<int>(std::min(1 / width, most))), shares);
     gather(sortedDirections_, static_cast<float>(1.5 * width), shares);
 }
 
@@ -91,37 +92,47 @@ void BeamFinder<Dim>::gather(const RayDirections<Dim>& d, float widest, std::siz
     }
 }
 
-/// Counting sort by kind and slopes.
+/// Counting sort by kind and slopes; each share counts and places its own rays.
 template <int Dim>
-void BeamFinder<Dim>::sort(int bins) {
+void BeamFinder<Dim>::sort(int bins, std::size_t shares) {
     const RayDirections<Dim>& d = directions_;
     const std::size_t count = d.kind.size();
-    bins_.resize(count);
-    const auto scale = static_cast<float>(bins);
-    for (std::size_t i = 0; i < count; ++i) {
-        // A lone ray goes with those of its kind 0.
-        std::uint32_t bin = d.kind[i] % RayDirections<Dim>::kLone;
-        for (int m = 0; m < Dim - 1; ++m) {
-            const auto b = static_cast<std::int32_t>(d.slope[m][i] * scale);
-            bin = bin * static_cast<std::uint32_t>(bins) +
-                  static_cast<std::uint32_t>(std::min(b, bins - 1));
-        }
-        bins_[i] = bin;
-    }
+    const auto firstOf = [&](std::size_t share) { return count * share / shares; };
     std::size_t all = RayDirections<Dim>::kLone;
     for (int m = 0; m < Dim - 1; ++m) all *= static_cast<std::size_t>(bins);
-    starts_.assign(all + 1, 0);
-    for (const std::uint32_t bin : bins_) ++starts_[bin + 1];
-    for (std::size_t b = 1; b < starts_.size(); ++b) starts_[b] += starts_[b - 1];
+    bins_.resize(count);
     order_.resize(count);
     sortedDirections_.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t at = starts_[bins_[i]]++;
-        order_[at] = static_cast<std::uint32_t>(i);
-        sortedDirections_.kind[at] = d.kind[i];
-        sortedDirections_.length[at] = d.length[i];
-        for (int m = 0; m < Dim - 1; ++m) sortedDirections_.slope[m][at] = d.slope[m][i];
-    }
+    if (starts_.size() < shares) starts_.resize(shares);
+
+    const auto scale = static_cast<float>(bins);
+    inParallel(shares, [&](std::size_t s) {
+        std::vector<std::uint32_t>& rays = starts_[s];  // per bin
+        rays.assign(all, 0);
+        for (std::size_t i = firstOf(s); i < firstOf(s + 1); ++i) {
+            // A lone ray goes with those of its kind 0.
+            std::uint32_t bin = d.kind[i] % RayDirections<Dim>::kLone;
+            for (int m = 0; m < Dim - 1; ++m) {
+                const auto b = static_cast<std::int32_t>(d.slope[m][i] * scale);
+                bin = bin * static_cast<std::uint32_t>(bins) +
+                      static_cast<std::uint32_t>(std::min(b, bins - 1));
+            }
+            bins_[i] = bin;
+            ++rays[bin];
+        }
+    });
+    std::uint32_t start = 0;
+    for (std::size_t b = 0; b < all; ++b)
+        for (std::size_t s = 0; s < shares; ++s) start += std::exchange(starts_[s][b], start);
+    inParallel(shares, [&](std::size_t s) {
+        for (std::size_t i = firstOf(s); i < firstOf(s + 1); ++i) {
+            const std::uint32_t at = starts_[s][bins_[i]]++;
+            order_[at] = static_cast<std::uint32_t>(i);
+            sortedDirections_.kind[at] = d.kind[i];
+            sortedDirections_.length[at] = d.length[i];
+            for (int m = 0; m < Dim - 1; ++m) sortedDirections_.slope[m][at] = d.slope[m][i];
+        }
+    });
     sorted_ = true;
 }
 

@@ -30,12 +30,13 @@ class BeamFinder {
     void gather(const RayDirections<Dim>& directions, float widest, std::size_t shares);
     static void gather(const RayDirections<Dim>& directions, float widest, std::size_t begin,
                        std::size_t end, std::vector<BeamRays<Dim>>& beams);
-    void sort(int bins);
+    void sort(int bins, std::size_t shares);
 
     RayDirections<Dim> directions_, sortedDirections_;
     std::vector<std::vector<BeamRays<Dim>>> beams_;  // per share
     bool sorted_ = false;
-    std::vector<std::uint32_t> bins_, starts_, order_;
+    std::vector<std::uint32_t> bins_, order_;
+    std::vector<std::vector<std::uint32_t>> starts_;  // per share and bin
 };
 
 }  // namespace superray
