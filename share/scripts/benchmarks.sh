@@ -27,9 +27,9 @@ done
 [[ -x $program ]] || { echo "error: no program $program; build superray-bench" >&2; exit 1; }
 mkdir -p "$out"
 
-peers=octomap,octomap-rays,mrpt-octomap,mrpt-grid3d
+peers=octomap,mrpt-octomap,mrpt-grid3d
 grid=grid,grid-perRay,grid-superRays,grid-culling,grid-full
-octree=octree,octree-perRay,octree-superRays,octree-culling,octree-full
+octree=octree,octree-perRay,octree-culling
 
 # compare NAME INPUT RESOLUTIONS SCANS: everything with one thread, then ours
 # with two, then the policy that equals octomap's.
@@ -37,7 +37,7 @@ compare() {
     local name=$1 input=$2 resolutions=$3 scans=$4
     echo "=== $name, $resolutions m" >&2
     local common=(compare "$input" --resolutions "$resolutions" --scans "$scans")
-    "$program" "${common[@]}" --engines "$peers,$grid,$octree" --peak-memory \
+    "$program" "${common[@]}" --engines "$peers,$grid,$octree" \
         --json "$out/$name.json" >"$out/$name.txt"
     "$program" "${common[@]}" --engines octomap,grid,octree --threads 1,2 \
         --json "$out/$name-threads.json" >"$out/$name-threads.txt"
@@ -62,12 +62,12 @@ if ((quick)); then
     compare indoor indoor 0.4 3
     compare outdoor outdoor 1.0 1
 else
-    compare indoor indoor 0.1,0.2,0.4,0.8,1.0 66
-    compare outdoor outdoor 0.2,0.4,0.8,1.0 20
-    compare outdoor-fine outdoor 0.1 8
+    compare indoor indoor 0.1,0.2,0.4,0.8,1.0 20
+    compare outdoor outdoor 0.2,0.4,0.8,1.0 5
+    compare outdoor-fine outdoor 0.1 3
 fi
-for recording in "rgbd_room 0.05 0.02 20 30 0.05 2" "ouster_hall 0.2 0.1 10 10 0.2 1" \
-    "kitti_hdl64 0.2 0.1 8 10 0.2 1" "kitti_hdl64 - - - 10 0.1 2"; do
+for recording in "rgbd_room 0.05 0.02 10 30 0.05 2" "ouster_hall 0.2 0.1 8 10 0.2 1" \
+    "kitti_hdl64 0.2 0.1 5 10 0.2 1" "kitti_hdl64 - - - 10 0.1 2"; do
     read -r name coarse fine scans rate resolution threads <<<"$recording"
     file=$data/$name.rawlog
     if [[ -z $data || ! -f $file ]]; then
