@@ -68,7 +68,7 @@ TYPED_TEST(Equivalence, AllMethodsGiveTheReferenceMap) {
     const CellGeometry<Dim> g(0.1);
     const SensorModel model;
     constexpr int kScans = 8, kRays = 1500;
-    std::uint64_t rays = 0, culled = 0, merged = 0;
+    std::uint64_t rays = 0, culled = 0, cut = 0, merged = 0;
     for (UpdatePolicy policy : {UpdatePolicy::everyRay, UpdatePolicy::oncePerScan}) {
         for (test::Scene scene : test::kScenes) {
             Random random(50 + static_cast<std::uint64_t>(scene));
@@ -95,6 +95,7 @@ TYPED_TEST(Equivalence, AllMethodsGiveTheReferenceMap) {
                         const ScanStatistics& s = integrator.statistics();
                         ASSERT_EQ(s.rays, scan.size());
                         if (method == Method::culling) culled += s.raysCulled;
+                        if (method == Method::automatic) cut += s.raysCulled;
                         if (method == Method::superRays) merged += s.rays - s.superRays;
                     }
                     expectSameBits<Dim>(map.cells, reference.cells());
@@ -104,8 +105,9 @@ TYPED_TEST(Equivalence, AllMethodsGiveTheReferenceMap) {
         }
     }
     EXPECT_GE(rays, 100000u);
-    EXPECT_EQ(rays, 2u * 6 * kScans * kRays);
+    EXPECT_EQ(rays, 2u * 7 * kScans * kRays);
     EXPECT_GT(culled, 10000u);
+    EXPECT_GT(cut, 50000u);  // of 3 * rays
     EXPECT_GT(merged, 1000u);
 }
 

@@ -24,9 +24,10 @@ Point<Dim> uniformPoint(Random& random, double radius) {
     return p;
 }
 
-enum class Scene { uniform, clustered, gridAligned, nearby, wall, patch };
+enum class Scene { uniform, clustered, gridAligned, nearby, wall, patch, image };
 inline constexpr Scene kScenes[] = {Scene::uniform, Scene::clustered, Scene::gridAligned,
-                                    Scene::nearby,  Scene::wall,      Scene::patch};
+                                    Scene::nearby,  Scene::wall,      Scene::patch,
+                                    Scene::image};
 
 /// A scan of `count` rays.
 /// - uniform: end points anywhere
@@ -36,6 +37,7 @@ inline constexpr Scene kScenes[] = {Scene::uniform, Scene::clustered, Scene::gri
 /// - nearby: end points in the sensor's cell and its neighbours
 /// - wall: a plane seen from far
 /// - patch: a small piece of it, with a hundred points per cell (a depth image)
+/// - image: the same as a sensor delivers it, row by row, with a step in depth
 template <int Dim>
 RayBundle<Dim> makeScan(Scene scene, Random& random, const CellGeometry<Dim>& g, int count) {
     const double r = g.resolution();
@@ -93,6 +95,18 @@ RayBundle<Dim> makeScan(Scene scene, Random& random, const CellGeometry<Dim>& g,
                 end = origin + uniformPoint<Dim>(random, 1.5 * r);
                 end[wallAxis] = origin[wallAxis] + wallAt + uniform(random, 0, 0.4 * r);
                 break;
+            case Scene::image: {
+                // In units of the image's height; one row in 2D.
+                const int rows = Dim == 2 ? 1 : 30, columns = count / rows;
+                const double u = static_cast<double>(i % columns) / columns - 0.3;
+                const double v = Dim == 2 ? 0.1 : i / columns / double{30} - 0.4;
+                const double depth = wallAt * (u < 0.2 ? 1 : 0.6);
+                end = origin;
+                end[wallAxis] += depth;
+                end[(wallAxis + 1) % Dim] += depth * u;
+                if (Dim == 3) end[(wallAxis + 2) % Dim] += depth * v;
+                break;
+            }
             case Scene::wall:
                 end = origin + uniformPoint<Dim>(random, 0.8 * wallAt);
                 end[wallAxis] = origin[wallAxis] + wallAt + uniform(random, 0, 0.1 * r);

@@ -41,6 +41,11 @@ TEST(SensorModel, MoreUpdatesThanToSaturateChangeNothing) {
             const SensorModel m(p);
             const auto every = UpdatePolicy::everyRay;
             EXPECT_EQ(m.updated(m.max(), m.missesToSaturate(), 0, every), m.min());
+            const std::uint32_t unknown = m.missesToSaturateUnknown();
+            EXPECT_EQ(m.updated(0, unknown, 0, every), m.min());
+            EXPECT_EQ(m.updated(m.min() / 3, unknown, 0, every), m.min());
+            // Not one too many (for a single one there is nothing fewer).
+            EXPECT_TRUE(unknown == 1 || m.updated(0, unknown - 1, 0, every) > m.min());
             EXPECT_EQ(m.updated(m.min(), 0, m.hitsToSaturate(), every), m.max());
             ++models;
         }

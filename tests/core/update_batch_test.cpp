@@ -1,0 +1,49 @@
+#include <superray/core/update_batch.h>
+
+#include <gtest/gtest.h>
+
+namespace superray {
+namespace {
+
+TEST(UpdateBatch, LendsAndBorrowsBlocks) {
+    constexpr int kCells = UpdateBatch<3>::kCells;
+    UpdateBatch<3> lender, batch;
+    const auto lent = lender.addBlock({1, 2, 3});
+    lender.missesOf(lent)[7] = 9;
+    lender.hitsOf(lent)[8] = 2;
+    const auto plain = lender.addBlock({4, 5, 6});
+    lender.missesOf(plain)[0] = 1;
+
+    const auto own = batch.addBlock({-1, 0, 0});
+    batch.missesOf(own)[kCells - 1] = 3;
+    batch.borrowBlock(lender.key(lent), lender.misses(lent), lender.hits(lent));
+    batch.borrowBlock(lender.key(plain), lender.misses(plain), lender.hits(plain));
+
+    ASSERT_EQ(batch.blockCount(), 3u);
+    EXPECT_EQ(batch.key(1), (BlockKey<3>{1, 2, 3}));
+    EXPECT_EQ(batch.misses(0)[kCells - 1], 3);
+    EXPECT_EQ(batch.hits(0), nullptr);
+    EXPECT_EQ(batch.misses(1)[7], 9);
+    EXPECT_EQ(batch.hits(1)[8], 2);
+    EXPECT_EQ(batch.hits(2), nullptr);
+    EXPECT_EQ(batch.touched(1).count(), 2);
+    EXPECT_EQ(batch.touched(2).count(), 1);
+
+    batch.clear();
+    EXPECT_EQ(batch.blockCount(), 0u);
+    const auto again = batch.addBlock({7, 7, 7});
+    EXPECT_EQ(again, 0u);
+    EXPECT_FALSE(batch.touched(again).any());
+}
+
+TEST(UpdateBatch, KeepsTheCountsOfNoBlockAtTheGreatest) {
+    UpdateBatch<2> batch;
+    for (int round = 0; round < 2; ++round) {
+        batch.addBlock({0, round});
+        for (int i = 0; i < UpdateBatch<2>::kCells; ++i) ASSERT_EQ(batch.missArena()[i], 255);
+        batch.clear();
+    }
+}
+
+}  // namespace
+}  // namespace superray
