@@ -42,6 +42,7 @@ void UpdateBatch<Dim>::clear() {
     keys_.clear();
     borrowed_.clear();
     hitSlots_.clear();
+    misses_.reserve(kCells + kSlack);
     misses_.resize(kCells);
     hits_.clear();
 }
