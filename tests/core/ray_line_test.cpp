@@ -138,7 +138,7 @@ TYPED_TEST(RayLineWalk, IsConnectedExactAndStartsAnywhere) {
             }
         }
     }
-    EXPECT_EQ(rays, 20 * 6 * 100);
+    EXPECT_EQ(rays, 20 * 7 * 100);
 }
 
 TYPED_TEST(RayLineWalk, LongestRaysStayWithinAGraze) {

@@ -61,7 +61,7 @@ TYPED_TEST(SuperRays, WeightsOfEqualWalksAddUpToTheScan) {
             }
         }
     }
-    EXPECT_EQ(rays, 10u * 6 * 3 * 600);
+    EXPECT_EQ(rays, 10u * 7 * 3 * 600);
     EXPECT_GT(grouped, rays / 30);
 }
 

@@ -116,7 +116,7 @@ void Quadtree::swapContents(OccupancyMap<2>& other) {
 }
 
 void Quadtree::apply(const UpdateBatch<2>& batch, const SensorModel& model, UpdatePolicy policy,
-                   unsigned /*threads*/) {
+                     unsigned /*threads*/) {
     impl_->apply(batch, model, policy);
 }
 
