@@ -28,7 +28,6 @@ struct Beam {
     Cell<Dim> flip, first;
     Units<Dim> slopeLow, slopeHigh, exitLow, exitHigh;
     std::int32_t slices;  ///< of the longest line, or one more
-    double within;        ///< of the start in its cell, along the dominant axis
 
     /// \param origin of the rays [units]
     Beam(const BeamRays<Dim>& rays, const Units<Dim>& origin) {
@@ -40,9 +39,9 @@ struct Beam {
             start[a] = flip[a] ? -origin[a] : origin[a];
             first[a] = RayLine<Dim>::cellOfUnits(start[a]);
         }
-        within = static_cast<double>(start[dominant] & (kUnitsPerCell - 1)) /
-                 static_cast<double>(kUnitsPerCell);
-        slices = slicesOf(rays.length);
+        const double within = static_cast<double>(start[dominant] & (kUnitsPerCell - 1)) /
+                              static_cast<double>(kUnitsPerCell);
+        slices = static_cast<std::int32_t>(within + rays.length * (1 + kMargin) + kMargin) + 1;
         const std::int64_t toBorder =
             (std::int64_t{first[dominant]} + 1) * kUnitsPerCell - start[dominant];
         for (int a = 0, m = 0; a < Dim; ++a) {
@@ -61,11 +60,6 @@ struct Beam {
         }
     }
 
-    /// Slices of a line of this length [cells], or one more.
-    std::int32_t slicesOf(float length) const {
-        constexpr double kMargin = RayDirections<Dim>::kSlopeMargin;
-        return static_cast<std::int32_t>(within + length * (1 + kMargin) + kMargin) + 1;
-    }
     /// Mirrored minor cells of slice k: from low() to high().
     std::int32_t low(int axis, std::int32_t k) const {
         return std::max(first[axis],

@@ -36,7 +36,8 @@ void BeamFinder<Dim>::find(const RayBundle<Dim>& rays, std::size_t shares) {
     const std::size_t count = rays.size();
     directions_.resize(count);
     inParallel(shares, [&](std::size_t s) {
-        findDirections(rays, count * s / shares, count * (s + 1) / shares, directions_);
+        findDirections(rays, shareBegin(count, s, shares), shareBegin(count, s + 1, shares),
+                       directions_);
     });
     const double width = kWidth / std::max(typicalLength(directions_), kWidth);
     sorted_ = false;
@@ -57,7 +58,8 @@ void BeamFinder<Dim>::gather(const RayDirections<Dim>& directions, float widest,
     if (beams_.size() < shares) beams_.resize(shares);
     const std::size_t count = directions.kind.size();
     inParallel(shares, [&](std::size_t s) {
-        gather(directions, widest, count * s / shares, count * (s + 1) / shares, beams_[s]);
+        gather(directions, widest, shareBegin(count, s, shares),
+               shareBegin(count, s + 1, shares), beams_[s]);
     });
 }
 
@@ -97,7 +99,7 @@ template <int Dim>
 void BeamFinder<Dim>::sort(int bins, std::size_t shares) {
     const RayDirections<Dim>& d = directions_;
     const std::size_t count = d.kind.size();
-    const auto firstOf = [&](std::size_t share) { return count * share / shares; };
+    const auto firstOf = [&](std::size_t share) { return shareBegin(count, share, shares); };
     std::size_t all = RayDirections<Dim>::kLone;
     for (int m = 0; m < Dim - 1; ++m) all *= static_cast<std::size_t>(bins);
     bins_.resize(count);

@@ -119,7 +119,7 @@ void BeamWalk<Dim>::addHits(const Beams& beams) {
             current = key;
         }
         std::uint8_t& count = hits[indexInBlock<Dim>(cell)];
-        count = static_cast<std::uint8_t>(count + (count != 255));
+        count = WalkState<Dim>::saturatingAdd(count, 1);
     }
     state_->forgetMissesOfSureHits();
 }

@@ -2,6 +2,8 @@
 // Chunks of work for several threads: each begins with its own share, in order,
 // and helps the others out from the ends of theirs.
 
+#include <superray/core/parallel.h>
+
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -13,7 +15,7 @@ class ChunkQueue {
  public:
     ChunkQueue(std::size_t chunks, std::size_t shares) : left_(shares) {
         for (std::size_t s = 0; s < shares; ++s)
-            left_[s] = pack(chunks * s / shares, chunks * (s + 1) / shares);
+            left_[s] = pack(shareBegin(chunks, s, shares), shareBegin(chunks, s + 1, shares));
     }
 
     /// The next chunk for a thread; nothing when all are taken.

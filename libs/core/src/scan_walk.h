@@ -3,6 +3,7 @@
 // saturating sums make the total independent of how rays were shared out.
 
 #include <superray/core/culling_region.h>
+#include <superray/core/parallel.h>
 #include <superray/core/super_rays.h>
 
 #include "beam_walk.h"
@@ -52,7 +53,7 @@ class ScanWalk {
     };
 
     std::size_t firstRay(std::size_t share, std::size_t rays) const {
-        return rays * share / shareCount_;
+        return shareBegin(rays, share, shareCount_);
     }
     void countEndCells();
 

@@ -257,7 +257,8 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
         impl_->pending.resize(last - first);
         const auto forShare = [&](std::size_t share, const auto& work) {
             const std::size_t n = last - first;
-            for (std::size_t i = n * share / shares; i < n * (share + 1) / shares; ++i)
+            const std::size_t end = shareBegin(n, share + 1, shares);
+            for (std::size_t i = shareBegin(n, share, shares); i < end; ++i)
                 work(impl_->pending[i], batch.misses(first + i), batch.hits(first + i));
         };
         inParallel(shares, [&](std::size_t share) {

@@ -9,6 +9,11 @@
 
 namespace superray {
 
+/// First of `n` things that belong to a share, of `shares` about equal ones.
+inline std::size_t shareBegin(std::size_t n, std::size_t share, std::size_t shares) {
+    return n * share / shares;
+}
+
 /// Runs work(share) for the shares 0 .. shares-1, the first in this thread.
 /// \throws the first exception of any of them, when all have ended
 template <typename Work>
