@@ -1,32 +1,14 @@
 #include <superray/core/culling_region.h>
 #include <superray/core/scan_integrator.h>
+#include <superray/core/stopwatch.h>
 #include <superray/core/super_rays.h>
 
-#include <chrono>
 #include <stdexcept>
 
 #include "scan_extent.h"
 #include "scan_walk.h"
 
 namespace superray {
-namespace {
-
-class Stopwatch {
- public:
-    /// Seconds since construction or the last call.
-    double lap() {
-        const auto now = Clock::now();
-        const double s = std::chrono::duration<double>(now - last_).count();
-        last_ = now;
-        return s;
-    }
-
- private:
-    using Clock = std::chrono::steady_clock;
-    Clock::time_point last_ = Clock::now();
-};
-
-}  // namespace
 
 Method methodFromString(const std::string& name) {
     for (Method m : {Method::reference, Method::perRay, Method::superRays, Method::culling,

@@ -1,3 +1,4 @@
+#include <superray/core/stopwatch.h>
 #include <superray/eval/bench_compare.h>
 #include <superray/eval/input_error.h>
 
@@ -9,8 +10,8 @@
 #include <set>
 #include <sstream>
 
+#include "cpu_stopwatch.h"
 #include "peak_memory.h"
-#include "stopwatch.h"
 #include "visit_count.h"
 
 namespace superray {

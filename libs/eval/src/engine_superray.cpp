@@ -1,8 +1,8 @@
+#include <superray/core/stopwatch.h>
 #include <superray/maps/CSuperRayGridMap3D.h>
 #include <superray/maps/CSuperRayOctoMap.h>
 
 #include "bench_engines.h"
-#include "stopwatch.h"
 
 namespace superray {
 namespace {

@@ -1,3 +1,4 @@
+#include <superray/core/stopwatch.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_build.h>
 #include <superray/eval/progress_meter.h>
@@ -5,8 +6,6 @@
 
 #include <algorithm>
 #include <sstream>
-
-#include "stopwatch.h"
 
 namespace superray {
 namespace {

@@ -1,11 +1,10 @@
+#include <superray/core/stopwatch.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/realtime.h>
 #include <superray/eval/seeded_random.h>
 
 #include <cmath>
 #include <ostream>
-
-#include "stopwatch.h"
 
 namespace superray {
 namespace {

@@ -1,12 +1,12 @@
 // Scans into the map.
 
 #include <mrpt/poses/CPose3DInterpolator.h>
+#include <superray/core/stopwatch.h>
 #include <superray/maps/observation_rays.h>
 #include <superray/maps/super_ray_map_base.h>
 
 #include <stdexcept>
 
-#include "stopwatch.h"
 #include "voxel_view.h"
 
 namespace superray {

@@ -1,21 +1,9 @@
 #pragma once
-/// \file stopwatch.h
+/// \file cpu_stopwatch.h
 
-#include <chrono>
 #include <ctime>
 
 namespace superray {
-
-/// Time since construction.
-class Stopwatch {
- public:
-    double seconds() const {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
-
- private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// Processor time of this process, all threads, since construction.
 class CpuStopwatch {
