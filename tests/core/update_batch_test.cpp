@@ -24,6 +24,7 @@ TEST(UpdateBatch, LendsAndBorrowsBlocks) {
     EXPECT_EQ(batch.misses(0)[kCells - 1], 3);
     EXPECT_EQ(batch.hits(0), nullptr);
     EXPECT_EQ(batch.misses(1)[7], 9);
+    ASSERT_NE(batch.hits(1), nullptr);
     EXPECT_EQ(batch.hits(1)[8], 2);
     EXPECT_EQ(batch.hits(2), nullptr);
     EXPECT_EQ(batch.touched(1).count(), 2);
