@@ -2,35 +2,46 @@
 // Method `auto`: neighbouring rays are walked as beams, from where the map and
 // this scan have not yet saturated every cell that the beam can visit.
 
-#include "beam_finder.h"
+#include "beam_tree.h"
+#include "end_addresses.h"
 #include "walk_kernel.h"
-
-#include <vector>
 
 namespace superray {
 
-/// One thread's part of a scan: begin(), addHits(), then any number of
-/// walkFirst(), then any number of walkRest(), then end().
+/// Whether to look ahead before some rays are walked: while looks have saved more
+/// than they cost. Asks for a look now and then, to notice when that changes.
+class WorthALook {
+ public:
+    bool now() { return saved_ > kCost || ++refused_ % kProbe == 0; }
+    /// \param saved slices of all rays that need not be walked
+    void learn(float saved) { saved_ += (saved - saved_) * (1.0f / 16); }
+
+ private:
+    /// A look costs about as much as walking so many slices.
+    static constexpr float kCost = 25;
+    static constexpr std::uint32_t kProbe = 16;
+    float saved_ = 2 * kCost;
+    std::uint32_t refused_ = 0;
+};
+
+/// One thread's part of a scan: begin(), then addHits() and walk() of its beams,
+/// then end().
 template <int Dim>
 class BeamWalk {
  public:
-    using Beams = std::vector<BeamRays<Dim>>;
+    using Node = typename BeamTree<Dim>::Node;
 
     /// \pre state.reset() and state.countMapSaturation() were called
-    void begin(const RayBundle<Dim>& rays, const BeamFinder<Dim>& finder,
-               WalkState<Dim>& state);
+    void begin(const RayBundle<Dim>& rays, const BeamTree<Dim>& tree,
+               const EndAddresses<Dim>& ends, WalkState<Dim>& state);
 
-    /// Counts the hits of all rays of some beams. Those that make misses
-    /// irrelevant spare the walks.
-    void addHits(const Beams& beams);
+    /// Counts the hits of all rays, or of those of a node. Those that make
+    /// misses irrelevant spare the walks, so hits had better come first.
+    void addHits() { addHits(0, rays_->size()); }
+    void addHits(const Node& node);
 
-    /// Walks some rays of each of the beams [first, last): evenly spread ones,
-    /// for these saturate the most.
-    /// \param open gets the beams that have more to tell
-    void walkFirst(const BeamRays<Dim>* first, const BeamRays<Dim>* last, Beams& open);
-
-    /// Walks what else the open beams have to tell.
-    void walkRest(Beams& open);
+    /// Walks what the rays of a node have to tell.
+    void walk(const Node& node);
 
     void end() { state_->flush(1); }
 
@@ -38,14 +49,24 @@ class BeamWalk {
     std::uint64_t culled() const { return culled_; }
 
  private:
-    std::int32_t lookAhead(const BeamRays<Dim>& beam);
-    void walkRays(const BeamRays<Dim>& beam, std::size_t first, std::size_t stride);
+    struct Leaf;
+
+    void addHits(std::size_t begin, std::size_t end);
+    void walkBelow(const Node& node, std::int32_t slice);
+    void walkRuns(const Node& node, std::uint64_t rays, std::int32_t slice);
+    void lookAhead(const DirectionBounds<Dim>& rays, Look& look);
+    void walkLeaf(Leaf& leaf, std::int32_t from);
+    void walkLone(const RayRun<Dim>& run);
+    std::uint64_t raysOf(std::uint32_t first, std::uint32_t last, std::uint32_t step) const;
 
     const RayBundle<Dim>* rays_ = nullptr;
-    const BeamFinder<Dim>* finder_ = nullptr;
+    const BeamTree<Dim>* tree_ = nullptr;
+    const EndAddresses<Dim>* ends_ = nullptr;
     WalkState<Dim>* state_ = nullptr;
     WalkKernels<Dim> kernels_;
     Units<Dim> origin_{};
+    BeamStart<Dim> start_;
+    WorthALook worthALook_;
     std::uint64_t culled_ = 0;
 };
 

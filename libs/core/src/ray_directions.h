@@ -36,4 +36,23 @@ template <int Dim>
 using FindDirections = void (*)(const RayBundle<Dim>& rays, std::size_t begin, std::size_t end,
                                 RayDirections<Dim>& out);
 
+/// Rays of a group: what is walked side by side.
+inline constexpr std::size_t kGroupRays = 8;
+
+/// Bounds of groups of kGroupRays consecutive rays.
+template <int Dim>
+struct GroupBounds {
+    static constexpr std::size_t kGroups = 8;  ///< that are bounded at once
+    /// Per group: bounds of slopes, and the largest extent along each minor axis.
+    float low[Dim - 1][kGroups], high[Dim - 1][kGroups], reach[Dim - 1][kGroups];
+    float length[kGroups];  ///< largest
+    std::uint32_t lowestKind[kGroups], highestKind[kGroups];
+};
+
+/// Of the groups that begin with the ray `first`.
+/// \pre there are kGroups * kGroupRays rays from there on
+template <int Dim>
+using BoundGroups = void (*)(const RayDirections<Dim>& directions, std::size_t first,
+                             GroupBounds<Dim>& out);
+
 }  // namespace superray

@@ -15,8 +15,9 @@ class RayWalker {
     RayWalker(WalkState<Dim>& state, const RayBundle<Dim>& rays,
               const CullingRegion<Dim>& region)
         : state_(state), rays_(rays), region_(region) {
-        static const WalkKernel<Dim> best = bestKernels<Dim>().walk;
-        kernel_ = state.directory.dense() ? best : walkPortable<Dim>;
+        static const WalkKernel<Dim> best = bestKernels<Dim>().walk,
+                                     portable = portableKernels<Dim>().walk;
+        kernel_ = state.directory.dense() ? best : portable;
     }
     RayWalker(const RayWalker&) = delete;
     RayWalker& operator=(const RayWalker&) = delete;
@@ -35,7 +36,7 @@ class RayWalker {
             weight_ = weight;
         }
         state_.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
-        kernel_(state_, line, from, line.slices());
+        kernel_(state_, line, from);
     }
 
     /// Rays of which the region took a part.

@@ -12,12 +12,8 @@ namespace {
 /// Rays that repay a thread.
 constexpr std::size_t kRaysPerShare = 256;
 
-/// Beams that a thread takes at once: neighbours share blocks.
-constexpr std::size_t kBeamsPerChunk = 512;
-
-/// Up to so many blocks (1 MiB), counts stay in the cache from one end of the
-/// scan to the other.
-constexpr std::size_t kCachedBlocks = 2048;
+/// Chunks of beams per thread, at least about so many.
+constexpr std::size_t kChunksPerShare = 16;
 
 /// Adds `more` to `sum`, saturating.
 template <int Dim>
@@ -55,7 +51,6 @@ template <int Dim>
 void ScanWalk<Dim>::begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& extent,
                           unsigned threads) {
     rays_ = &rays;
-    fitsCache_ = shares_[0].state.batch.blockCount() <= kCachedBlocks;  // the last scan
     const BlockBox<Dim> blocks = extent.blocks();
     shareCount_ =
         std::max<std::size_t>(1, std::min<std::size_t>(threads, rays.size() / kRaysPerShare));
@@ -113,37 +108,53 @@ void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
 template <int Dim>
 void ScanWalk<Dim>::walkBeams(const SaturationSource<Dim>* map, const SensorModel& model,
                               UpdatePolicy policy) {
-    finder_.find(*rays_, shareCount_);
-    chunks_.clear();
-    for (std::size_t s = 0; s < shareCount_; ++s) {
-        const std::vector<BeamRays<Dim>>& beams = finder_.beams(s);
-        for (std::size_t b = 0; b < beams.size(); b += kBeamsPerChunk)
-            chunks_.push_back(
-                {beams.data() + b, beams.data() + std::min(b + kBeamsPerChunk, beams.size())});
-    }
-    if (open_.size() < chunks_.size()) open_.resize(chunks_.size());
-
-    // First some rays of all beams, then what these have left to tell: neighbours
-    // spare each other work. Where blocks do not stay in the cache, the way back
-    // costs more than it saves.
-    ChunkQueue first(chunks_.size(), shareCount_), rest(chunks_.size(), shareCount_);
+    static const FindEnds<Dim> findEnds = bestKernels<Dim>().findEnds;
+    tree_.find(*rays_, shareCount_);
+    findChunks();
+    ends_.resize(rays_->size());
+    inParallel(shareCount_, [&](std::size_t s) {
+        const BlockDirectory<Dim>& directory = shares_[s].state.directory;
+        if (directory.dense())
+            findEnds(*rays_, firstRay(s, rays_->size()), firstRay(s + 1, rays_->size()),
+                     directory, ends_);
+    });
+    ChunkQueue queue(chunks_.size(), shareCount_);
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
         share.state.countMapSaturation(map, model, policy);
-        share.beams.begin(*rays_, finder_, share.state);
-        share.beams.addHits(finder_.beams(s));
-        while (const auto c = first.take(s)) {
-            share.beams.walkFirst(chunks_[*c].first, chunks_[*c].second, open_[*c]);
-            if (!fitsCache_) share.beams.walkRest(open_[*c]);
+        share.beams.begin(*rays_, tree_, ends_, share.state);
+        if (shareCount_ == 1) share.beams.addHits();
+        while (const auto c = queue.take(s)) {
+            if (shareCount_ > 1) share.beams.addHits(chunks_[*c]);
+            share.beams.walk(chunks_[*c]);
         }
-    });
-    inParallel(shareCount_, [&](std::size_t s) {
-        Share& share = shares_[s];
-        while (const auto c = fitsCache_ ? rest.take(s) : std::nullopt)
-            share.beams.walkRest(open_[*c]);
         share.beams.end();
         share.culled += share.beams.culled();
     });
+}
+
+/// Nodes of the tree that hold all rays together and, for several threads, are
+/// small enough to be shared out.
+template <int Dim>
+void ScanWalk<Dim>::findChunks() {
+    chunks_.clear();
+    const std::size_t most = shareCount_ == 1
+                                 ? tree_.runs().size()
+                                 : tree_.runs().size() / (kChunksPerShare * shareCount_) + 1;
+    std::vector<typename BeamTree<Dim>::Node> open;
+    for (std::uint32_t kind = BeamTree<Dim>::kKinds; kind-- > 0;)
+        open.push_back(tree_.root(kind));
+    while (!open.empty()) {
+        const auto node = open.back();
+        open.pop_back();
+        if (node.first == node.last) continue;
+        if (node.last - node.first <= most || node.level == tree_.levels()) {
+            chunks_.push_back(node);
+            continue;
+        }
+        for (std::uint32_t i = BeamTree<Dim>::kChildren; i-- > 0;)
+            open.push_back(tree_.child(node, i));
+    }
 }
 
 template <int Dim>

@@ -56,14 +56,14 @@ class ScanWalk {
         return shareBegin(rays, share, shareCount_);
     }
     void countEndCells();
+    void findChunks();
 
     const RayBundle<Dim>* rays_ = nullptr;
-    BeamFinder<Dim> finder_;
-    std::vector<std::pair<const BeamRays<Dim>*, const BeamRays<Dim>*>> chunks_;
-    std::vector<std::vector<BeamRays<Dim>>> open_;  // per chunk
+    BeamTree<Dim> tree_;
+    EndAddresses<Dim> ends_;
+    std::vector<typename BeamTree<Dim>::Node> chunks_;
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
-    bool fitsCache_ = true;
 };
 
 }  // namespace superray

@@ -12,6 +12,10 @@
 
 namespace superray {
 namespace {
+
+/// Low bits of Parts, see walk_vector.inc.
+constexpr int kPickBits = 2;
+
 namespace simd {
 
 struct Long8 {
@@ -23,6 +27,9 @@ SUPERRAY_TARGET inline Long8 ramp(std::int64_t base, std::int64_t step) {
     return {
         _mm256_add_epi64(start, _mm256_setr_epi64x(0, step, 2 * step, 3 * step)),
         _mm256_add_epi64(start, _mm256_setr_epi64x(4 * step, 5 * step, 6 * step, 7 * step))};
+}
+SUPERRAY_TARGET inline Long8 all(std::int64_t x) {
+    return {_mm256_set1_epi64x(x), _mm256_set1_epi64x(x)};
 }
 SUPERRAY_TARGET inline Long8 add(Long8 a, Long8 b) {
     return {_mm256_add_epi64(a.low, b.low), _mm256_add_epi64(a.high, b.high)};
@@ -60,6 +67,35 @@ SUPERRAY_TARGET inline __m256i expand(int mask) {
     return _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(mask), bits), bits);
 }
 
+SUPERRAY_TARGET inline __m256i following(__m256i x, __m256i before) {
+    const __m256i order = _mm256_setr_epi32(7, 0, 1, 2, 3, 4, 5, 6);
+    return _mm256_blend_epi32(_mm256_permutevar8x32_epi32(x, order),
+                              _mm256_permutevar8x32_epi32(before, order), 1);
+}
+SUPERRAY_TARGET inline int differing(__m256i a, __m256i b) {
+    return ~_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b))) & 0xFF;
+}
+SUPERRAY_TARGET inline __m256i select(int mask, __m256i a, __m256i b) {
+    return _mm256_blendv_epi8(b, a, expand(mask));
+}
+
+template <int minor, int axis>
+class Parts {
+ public:
+    SUPERRAY_TARGET explicit Parts(std::int32_t flip) : flip_(_mm256_set1_epi32(flip)) {}
+    SUPERRAY_TARGET __m256i of(__m256i cells) const {
+        const __m256i plain = _mm256_xor_si256(cells, flip_);
+        const __m256i local = _mm256_and_si256(plain, _mm256_set1_epi32(7));
+        const __m256i parity = _mm256_and_si256(plain, _mm256_set1_epi32(8));
+        return _mm256_or_si256(
+            _mm256_slli_epi32(local, kBlockBits * axis + kPickBits),
+            _mm256_srli_epi32(parity, kBlockBits - minor));
+    }
+
+ private:
+    __m256i flip_;
+};
+
 /// Per mask: the lanes in it, in order, as a permutation.
 struct CompressTable {
     alignas(32) std::uint32_t lanes[256][8];
@@ -95,10 +131,6 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
     for (int i = 0; i < 8; ++i) d[i] = base[indices[i]];
     return d;
 }
-SUPERRAY_TARGET inline Long8 of(Longs v) {
-    return {_mm256_setr_epi64x(v[0], v[1], v[2], v[3]),
-            _mm256_setr_epi64x(v[4], v[5], v[6], v[7])};
-}
 
 }  // namespace simd
 }  // namespace
@@ -109,15 +141,20 @@ SUPERRAY_TARGET inline Long8 of(Longs v) {
 //
 #include "saturation_vector.inc"
 //
-#include "lane_walk.inc"
+#include "walk_rays.inc"
 //
 #include "find_directions.inc"
+//
+#include "find_ends.inc"
+//
+#include "bound_groups.inc"
 
 namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx2Kernels() {
-    return {walkGroups<Dim>, walkLanes<Dim>, findDirections<Dim>, firstUnsaturated<Dim>};
+    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, findEnds<Dim>, boundGroups<Dim>,
+            firstUnsaturated<Dim>};
 }
 
 template WalkKernels<2> avx2Kernels();

@@ -13,6 +13,10 @@
 
 namespace superray {
 namespace {
+
+/// Low bits of Parts, see walk_vector.inc.
+constexpr int kPickBits = 2;
+
 namespace simd {
 
 struct Long8 {
@@ -23,6 +27,9 @@ SUPERRAY_TARGET inline Long8 ramp(std::int64_t base, std::int64_t step) {
     const __m512i lanes = _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7);
     return {_mm512_add_epi64(_mm512_set1_epi64(base),
                              _mm512_mullo_epi64(lanes, _mm512_set1_epi64(step)))};
+}
+SUPERRAY_TARGET inline Long8 all(std::int64_t x) {
+    return {_mm512_set1_epi64(x)};
 }
 SUPERRAY_TARGET inline Long8 add(Long8 a, Long8 b) {
     return {_mm512_add_epi64(a.v, b.v)};
@@ -43,9 +50,40 @@ SUPERRAY_TARGET inline int firstCrosses(Long8 a, Long8 slopeA, Long8 b, Long8 sl
     return _mm512_cmplt_epi64_mask(_mm512_mul_epu32(toA, slopeB.v),
                                    _mm512_mul_epu32(toB, slopeA.v));
 }
-SUPERRAY_TARGET inline __m256i expand(int mask) {
-    return _mm256_movm_epi32(static_cast<__mmask8>(mask));
+SUPERRAY_TARGET inline __m256i following(__m256i x, __m256i before) {
+    return _mm256_alignr_epi32(x, before, 7);
 }
+SUPERRAY_TARGET inline int differing(__m256i a, __m256i b) {
+    return _mm256_cmpneq_epi32_mask(a, b);
+}
+SUPERRAY_TARGET inline __m256i select(int mask, __m256i a, __m256i b) {
+    return _mm256_mask_blend_epi32(static_cast<__mmask8>(mask), b, a);
+}
+
+/// Looked up in a table of 16.
+template <int minor, int axis>
+class Parts {
+ public:
+    SUPERRAY_TARGET explicit Parts(std::int32_t flip) {
+        const __m256i cells = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        low_ = plain(_mm256_xor_si256(cells, _mm256_set1_epi32(flip)));
+        high_ = plain(_mm256_xor_si256(_mm256_add_epi32(cells, _mm256_set1_epi32(8)),
+                                       _mm256_set1_epi32(flip)));
+    }
+    SUPERRAY_TARGET __m256i of(__m256i cells) const {
+        return _mm256_permutex2var_epi32(low_, cells, high_);
+    }
+
+ private:
+    SUPERRAY_TARGET static __m256i plain(__m256i cells) {
+        const __m256i local = _mm256_and_si256(cells, _mm256_set1_epi32(7));
+        const __m256i parity = _mm256_and_si256(cells, _mm256_set1_epi32(8));
+        return _mm256_or_si256(
+            _mm256_slli_epi32(local, kBlockBits * axis + kPickBits),
+            _mm256_srli_epi32(parity, kBlockBits - minor));
+    }
+    __m256i low_, high_;
+};
 SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, int mask) {
     // A register compress and a plain store: storing compressed is microcoded
     // on some processors.
@@ -64,9 +102,6 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
         _mm512_cvtepu32_epi64(_mm256_load_si256(reinterpret_cast<const __m256i*>(indices))),
         base, 8);
 }
-SUPERRAY_TARGET inline Long8 of(Longs v) {
-    return {(__m512i)v};
-}
 
 }  // namespace simd
 }  // namespace
@@ -77,15 +112,20 @@ SUPERRAY_TARGET inline Long8 of(Longs v) {
 //
 #include "saturation_vector.inc"
 //
-#include "lane_walk.inc"
+#include "walk_rays.inc"
 //
 #include "find_directions.inc"
+//
+#include "find_ends.inc"
+//
+#include "bound_groups.inc"
 
 namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx512Kernels() {
-    return {walkGroups<Dim>, walkLanes<Dim>, findDirections<Dim>, firstUnsaturated<Dim>};
+    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, findEnds<Dim>, boundGroups<Dim>,
+            firstUnsaturated<Dim>};
 }
 
 template WalkKernels<2> avx512Kernels();

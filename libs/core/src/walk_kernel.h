@@ -8,6 +8,7 @@
 
 #include "beam.h"
 #include "block_directory.h"
+#include "end_addresses.h"
 #include "ray_directions.h"
 
 #include <algorithm>
@@ -72,21 +73,15 @@ struct WalkState {
         enoughUnknown = once ? 1 : model.missesToSaturateUnknown();
         sureHits_ = once ? 1 : model.hitsToSaturate();
     }
-    /// Cells with so many hits that their misses do not matter (they end up at
-    /// the upper clamp; with oncePerScan a hit is enough) get the greatest miss
-    /// count, so that no walk need bother. \pre all hits are counted
-    void forgetMissesOfSureHits() {
-        for (std::uint32_t b = 0; b < batch.blockCount(); ++b) {
-            const std::uint8_t* hits = std::as_const(batch).hits(b);
-            if (hits == nullptr) continue;
-            std::uint8_t* misses = batch.missesOf(b);
-            for (int i = 0; i < kBlockCells<Dim>; ++i)
-                misses[i] = hits[i] >= sureHits_ ? std::uint8_t{255} : misses[i];
-        }
-    }
+    /// Whether a cell with so many hits needs no misses any more (it ends up at
+    /// the upper clamp; with oncePerScan a hit is enough). Such cells may get the
+    /// greatest miss count, so that no walk need bother.
+    bool sureHit(std::uint32_t hits) const { return hits >= sureHits_; }
     /// Misses beyond which more change nothing, in blocks whose number has the
     /// flag kMayExceedUnknown and in others.
     static constexpr std::uint32_t kMayExceedUnknown = std::uint32_t{1} << 31;
+    /// Number of blocks that are saturated as a whole.
+    static constexpr std::uint32_t kNoCounts = 1;
     std::uint32_t enough = 0, enoughUnknown = 0;
 
     /// Offset of a block's miss counts in the arena; the block is made on first use.
@@ -142,7 +137,7 @@ struct WalkState {
     }
 
  private:
-    static constexpr std::uint32_t kNoCounts = 1, kFirstBlock = 2;
+    static constexpr std::uint32_t kFirstBlock = 2;
 
     std::uint32_t makeBlock(const BlockKey<Dim>& key) {
         BlockSaturation<Dim> before;
@@ -178,11 +173,10 @@ struct WalkState {
     std::uint32_t sureHits_ = 0;
 };
 
-/// Appends the free cells of a ray in the slices [from, to).
+/// Appends the free cells of a ray from slice `from` on.
 /// \pre state.addresses.reserveMore(line.steps()) was called
 template <int Dim>
-using WalkKernel = void (*)(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
-                            std::int32_t to);
+using WalkKernel = void (*)(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from);
 
 /// Up to 8 rays of one kind (RayDirections) from the common origin.
 struct RayLanes {
@@ -191,31 +185,43 @@ struct RayLanes {
     alignas(32) std::uint32_t ray[8] = {};  ///< numbers; of unused lanes: any
 };
 
-/// Counts the free cells of some rays from slice `from` on.
-/// \pre state.addresses.reserveMore(4 * slices of the longest) was called
+/// Appends the free cells of some rays from slice `from` on. \pre count > 0
 template <int Dim>
-using LaneWalk = void (*)(WalkState<Dim>& state, const RayBundle<Dim>& rays,
+using WalkRays = void (*)(WalkState<Dim>& state, const RayBundle<Dim>& rays,
                           const RayLanes& lanes, std::int32_t from);
+
+/// How far a beam is saturated.
+struct Look {
+    static constexpr std::uint32_t kNoCell = ~std::uint32_t{0};
+    /// The first slice in which a cell matters.
+    std::int32_t slice = 0;
+    /// Such a cell (its offset into the miss counts), which matters as long as it
+    /// has less than `needed` misses; kNoCell if the beam is too wide to tell.
+    std::uint32_t cell = kNoCell, needed = 0;
+};
 
 /// First slice in [from, to) in which a beam may visit a cell for which more
 /// misses matter; `to` if there is none. \pre from < to
 template <int Dim>
-using FirstUnsaturated = std::int32_t (*)(WalkState<Dim>& state, const Beam<Dim>& beam,
-                                          std::int32_t from, std::int32_t to);
+using FirstUnsaturated = Look (*)(WalkState<Dim>& state, const Beam<Dim>& beam,
+                                  std::int32_t from, std::int32_t to);
 
 /// What exists per instruction set.
 template <int Dim>
 struct WalkKernels {
     WalkKernel<Dim> walk;
-    LaneWalk<Dim> walkLanes;
+    WalkRays<Dim> walkRays;
     FindDirections<Dim> findDirections;
+    FindEnds<Dim> findEnds;
+    BoundGroups<Dim> boundGroups;
     FirstUnsaturated<Dim> firstUnsaturated;
 };
 
-/// The portable kernels; also serve directories that are not dense.
+/// The free cells in the slices [from, to), for any instruction set.
 template <int Dim>
 void walkPortable(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
                   std::int32_t to);
+/// The portable kernels also serve directories that are not dense.
 template <int Dim>
 WalkKernels<Dim> portableKernels();
 
