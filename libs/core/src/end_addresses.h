@@ -29,8 +29,8 @@ class EndAddresses {
     std::vector<std::uint16_t> locals_;
 };
 
-/// Of the rays [begin, end). \pre the directory is dense and covers the scan;
-/// out.resize(rays.size()) was called
+/// Of the rays [begin, end), to out from 0 on. \pre the directory is dense and
+/// covers the scan; out.resize(end - begin) was called
 template <int Dim>
 using FindEnds = void (*)(const RayBundle<Dim>& rays, std::size_t begin, std::size_t end,
                           const BlockDirectory<Dim>& directory, EndAddresses<Dim>& out);

@@ -1,6 +1,5 @@
 #pragma once
-// Roughly where each ray of a scan goes: enough to tell which rays are
-// neighbours, and to bound the cells of neighbours.
+// Roughly where each ray of a scan goes: in which tile of the horizon, and how far.
 
 #include <superray/core/ray_bundle.h>
 
@@ -8,51 +7,57 @@
 
 namespace superray {
 
-/// Per ray from the common origin, in single precision. Slopes are off the exact
-/// ones by less than kSlopeMargin.
+/// How many cells from the sensor's cell, per axis; without a sign, for that is
+/// the kind's. The rest is 0.
+using Extent = std::uint16_t __attribute__((vector_size(8)));
+
+/// Directions as seen from the common origin of a scan. The kind of a ray is its
+/// dominant axis, + 4 * (bit a: axis a runs backwards). Of each kind, a square of
+/// (in 2D, a row of) tiles covers the slopes minor / dominant, 0 .. 1 per minor
+/// axis. Tiles are followed by those of coarser levels, down to one tile.
+template <int Dim>
+struct DirectionTiles {
+    static constexpr std::uint32_t kKinds = 1u << (2 + Dim);
+    static constexpr int kMostLevels = Dim == 2 ? 12 : 9;
+
+    int levels = 0;  ///< 2^levels tiles per minor axis
+
+    std::uint32_t edge(int level) const { return 1u << (levels - level); }
+    /// Index of a level's first tile, from the kind's first.
+    std::uint32_t levelBegin(int level) const {
+        std::uint32_t begin = 0;
+        for (int l = 0; l < level; ++l) begin += 1u << ((Dim - 1) * (levels - l));
+        return begin;
+    }
+    std::uint32_t perKind() const { return levelBegin(levels + 1); }
+    /// A tile of its own for rays of which single precision cannot tell a kind.
+    std::uint32_t lone() const { return kKinds * perKind(); }
+    std::uint32_t count() const { return lone() + 1; }
+};
+
+/// Per ray.
 template <int Dim>
 struct RayDirections {
-    /// Kind: dominant axis, + 4 * (bit a: axis a runs backwards); kLone if single
-    /// precision cannot tell for certain.
-    std::vector<std::uint32_t> kind;
-    std::vector<float> length;          ///< along the dominant axis [cells]
-    std::vector<float> slope[Dim - 1];  ///< minor / dominant, by ascending axis
+    DirectionTiles<Dim> tiles;
+    std::vector<std::uint32_t> tile;
+    std::vector<Extent> extent;  ///< of the end cell
 
-    static constexpr std::uint32_t kLone = 32;
     static constexpr float kLeastLength = 1.0f / 64;  ///< [cells]
     static constexpr float kLeastExtent = 1.0f / (1 << 24);
     static constexpr float kCertain = 1 - 1.0f / (1 << 19);  ///< slopes below are minor
+    /// Tiles are those of slopes in single precision, off the exact ones by less.
     static constexpr double kSlopeMargin = 1.0 / (1 << 20);
 
     void resize(std::size_t n) {
-        kind.resize(n);
-        length.resize(n);
-        for (auto& s : slope) s.resize(n);
+        tile.resize(n);
+        extent.resize(n);
     }
 };
 
-/// Of the rays [begin, end). \pre out.resize(rays.size()) was called
+/// Of the rays [begin, end), to out from 0 on.
+/// \pre out.resize(end - begin) was called, out.tiles is set
 template <int Dim>
 using FindDirections = void (*)(const RayBundle<Dim>& rays, std::size_t begin, std::size_t end,
                                 RayDirections<Dim>& out);
-
-/// Rays of a group: what is walked side by side.
-inline constexpr std::size_t kGroupRays = 8;
-
-/// Bounds of groups of kGroupRays consecutive rays.
-template <int Dim>
-struct GroupBounds {
-    static constexpr std::size_t kGroups = 8;  ///< that are bounded at once
-    /// Per group: bounds of slopes, and the largest extent along each minor axis.
-    float low[Dim - 1][kGroups], high[Dim - 1][kGroups], reach[Dim - 1][kGroups];
-    float length[kGroups];  ///< largest
-    std::uint32_t lowestKind[kGroups], highestKind[kGroups];
-};
-
-/// Of the groups that begin with the ray `first`.
-/// \pre there are kGroups * kGroupRays rays from there on
-template <int Dim>
-using BoundGroups = void (*)(const RayDirections<Dim>& directions, std::size_t first,
-                             GroupBounds<Dim>& out);
 
 }  // namespace superray

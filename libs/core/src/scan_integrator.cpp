@@ -110,7 +110,7 @@ const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& ray
     impl.walk.begin(rays, extent, options.threads);
     statistics.superRaySeconds = watch.lap();
 
-    const bool beams = method == Method::automatic && rays.hasCommonOrigin();
+    const bool horizon = method == Method::automatic && rays.hasCommonOrigin();
     const bool culling = method == Method::culling || method == Method::full;
     impl.region.clear();
     if (culling && map != nullptr) {
@@ -127,8 +127,8 @@ const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& ray
 
     if (grouping) {
         impl.walk.walkSuperRays(*superRays, impl.region);
-    } else if (beams) {
-        impl.walk.walkBeams(map, model, options.policy);
+    } else if (horizon) {
+        impl.walk.walkFromHorizon(map, model, options.policy);
     } else {
         impl.walk.walkEach(impl.region);
     }

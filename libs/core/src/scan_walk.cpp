@@ -12,8 +12,10 @@ namespace {
 /// Rays that repay a thread.
 constexpr std::size_t kRaysPerShare = 256;
 
-/// Chunks of beams per thread, at least about so many.
-constexpr std::size_t kChunksPerShare = 16;
+/// Parts of a scan: so many per thread, if there are several, ...
+constexpr std::size_t kPartsPerShare = 4;
+/// ... and as many as have about so many rays.
+constexpr std::size_t kRaysPerPart = 1 << 17;
 
 /// Adds `more` to `sum`, saturating.
 template <int Dim>
@@ -106,55 +108,22 @@ void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
 }
 
 template <int Dim>
-void ScanWalk<Dim>::walkBeams(const SaturationSource<Dim>* map, const SensorModel& model,
-                              UpdatePolicy policy) {
-    static const FindEnds<Dim> findEnds = bestKernels<Dim>().findEnds;
-    tree_.find(*rays_, shareCount_);
-    findChunks();
-    ends_.resize(rays_->size());
-    inParallel(shareCount_, [&](std::size_t s) {
-        const BlockDirectory<Dim>& directory = shares_[s].state.directory;
-        if (directory.dense())
-            findEnds(*rays_, firstRay(s, rays_->size()), firstRay(s + 1, rays_->size()),
-                     directory, ends_);
-    });
-    ChunkQueue queue(chunks_.size(), shareCount_);
+void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const SensorModel& model,
+                                    UpdatePolicy policy) {
+    const std::size_t rays = rays_->size();
+    const std::size_t parts = std::max<std::size_t>(
+        shareCount_ == 1 ? 1 : kPartsPerShare * shareCount_, rays / kRaysPerPart);
+    ChunkQueue queue(parts, shareCount_);
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
         share.state.countMapSaturation(map, model, policy);
-        share.beams.begin(*rays_, tree_, ends_, share.state);
-        if (shareCount_ == 1) share.beams.addHits();
-        while (const auto c = queue.take(s)) {
-            if (shareCount_ > 1) share.beams.addHits(chunks_[*c]);
-            share.beams.walk(chunks_[*c]);
-        }
-        share.beams.end();
-        share.culled += share.beams.culled();
+        share.horizon.begin(*rays_, map, share.state);
+        while (const auto part = queue.take(s))
+            share.horizon.walk(shareBegin(rays, *part, parts),
+                               shareBegin(rays, *part + 1, parts));
+        share.horizon.end();
+        share.culled += share.horizon.culled();
     });
-}
-
-/// Nodes of the tree that hold all rays together and, for several threads, are
-/// small enough to be shared out.
-template <int Dim>
-void ScanWalk<Dim>::findChunks() {
-    chunks_.clear();
-    const std::size_t most = shareCount_ == 1
-                                 ? tree_.runs().size()
-                                 : tree_.runs().size() / (kChunksPerShare * shareCount_) + 1;
-    std::vector<typename BeamTree<Dim>::Node> open;
-    for (std::uint32_t kind = BeamTree<Dim>::kKinds; kind-- > 0;)
-        open.push_back(tree_.root(kind));
-    while (!open.empty()) {
-        const auto node = open.back();
-        open.pop_back();
-        if (node.first == node.last) continue;
-        if (node.last - node.first <= most || node.level == tree_.levels()) {
-            chunks_.push_back(node);
-            continue;
-        }
-        for (std::uint32_t i = BeamTree<Dim>::kChildren; i-- > 0;)
-            open.push_back(tree_.child(node, i));
-    }
 }
 
 template <int Dim>

@@ -6,7 +6,7 @@
 #include <superray/core/parallel.h>
 #include <superray/core/super_rays.h>
 
-#include "beam_walk.h"
+#include "horizon_walk.h"
 #include "end_cells.h"
 #include "ray_walker.h"
 #include "scan_extent.h"
@@ -33,10 +33,10 @@ class ScanWalk {
     /// region encloses.
     void walkEach(const CullingRegion<Dim>& region);
 
-    /// Every ray, from where its beam has something to tell; see BeamWalk.
+    /// Every ray, from where it has something to tell; see HorizonWalk.
     /// \pre the rays have the common origin
-    void walkBeams(const SaturationSource<Dim>* map, const SensorModel& model,
-                   UpdatePolicy policy);
+    void walkFromHorizon(const SaturationSource<Dim>* map, const SensorModel& model,
+                         UpdatePolicy policy);
 
     /// Adds all shares into one. Valid until the next begin().
     const WalkState<Dim>& finish();
@@ -48,7 +48,7 @@ class ScanWalk {
     struct Share {
         WalkState<Dim> state;
         EndCells<Dim> ends;
-        BeamWalk<Dim> beams;
+        HorizonWalk<Dim> horizon;
         std::uint64_t culled = 0;
     };
 
@@ -56,12 +56,8 @@ class ScanWalk {
         return shareBegin(rays, share, shareCount_);
     }
     void countEndCells();
-    void findChunks();
 
     const RayBundle<Dim>* rays_ = nullptr;
-    BeamTree<Dim> tree_;
-    EndAddresses<Dim> ends_;
-    std::vector<typename BeamTree<Dim>::Node> chunks_;
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
 };

@@ -116,16 +116,6 @@ SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, in
     return out + __builtin_popcount(static_cast<unsigned>(mask));
 }
 
-SUPERRAY_TARGET inline __m256i gatherBytes(const std::uint8_t* base, __m256i offsets) {
-    const auto* b = reinterpret_cast<const int*>(base);
-    const __m256i low = _mm256_cvtepu32_epi64(_mm256_castsi256_si128(offsets));
-    const __m256i high = _mm256_cvtepu32_epi64(_mm256_extracti128_si256(offsets, 1));
-    const __m256i words =
-        _mm256_inserti128_si256(_mm256_castsi128_si256(_mm256_i64gather_epi32(b, low, 1)),
-                                _mm256_i64gather_epi32(b, high, 1), 1);
-    return _mm256_and_si256(words, _mm256_set1_epi32(255));
-}
-
 SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint32_t* indices) {
     Doubles d;
     for (int i = 0; i < 8; ++i) d[i] = base[indices[i]];
@@ -139,22 +129,19 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 // In this order: the later ones use the earlier.
 #include "walk_vector.inc"
 //
-#include "saturation_vector.inc"
-//
 #include "walk_rays.inc"
 //
 #include "find_directions.inc"
 //
 #include "find_ends.inc"
 //
-#include "bound_groups.inc"
+#include "at_least.inc"
 
 namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx2Kernels() {
-    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, findEnds<Dim>, boundGroups<Dim>,
-            firstUnsaturated<Dim>};
+    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, findEnds<Dim>, atLeast<Dim>};
 }
 
 template WalkKernels<2> avx2Kernels();

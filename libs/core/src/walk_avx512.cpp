@@ -92,11 +92,6 @@ SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, in
     return out + __builtin_popcount(static_cast<unsigned>(mask));
 }
 
-SUPERRAY_TARGET inline __m256i gatherBytes(const std::uint8_t* base, __m256i offsets) {
-    const __m256i words = _mm512_i64gather_epi32(_mm512_cvtepu32_epi64(offsets), base, 1);
-    return _mm256_and_si256(words, _mm256_set1_epi32(255));
-}
-
 SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint32_t* indices) {
     return (Doubles)_mm512_i64gather_pd(
         _mm512_cvtepu32_epi64(_mm256_load_si256(reinterpret_cast<const __m256i*>(indices))),
@@ -110,22 +105,19 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 // In this order: the later ones use the earlier.
 #include "walk_vector.inc"
 //
-#include "saturation_vector.inc"
-//
 #include "walk_rays.inc"
 //
 #include "find_directions.inc"
 //
 #include "find_ends.inc"
 //
-#include "bound_groups.inc"
+#include "at_least.inc"
 
 namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx512Kernels() {
-    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, findEnds<Dim>, boundGroups<Dim>,
-            firstUnsaturated<Dim>};
+    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, findEnds<Dim>, atLeast<Dim>};
 }
 
 template WalkKernels<2> avx512Kernels();

@@ -6,7 +6,6 @@
 #include <superray/core/traversal.h>
 #include <superray/core/update_batch.h>
 
-#include "beam.h"
 #include "block_directory.h"
 #include "end_addresses.h"
 #include "ray_directions.h"
@@ -83,6 +82,7 @@ struct WalkState {
     /// Number of blocks that are saturated as a whole.
     static constexpr std::uint32_t kNoCounts = 1;
     std::uint32_t enough = 0, enoughUnknown = 0;
+    float lowerClamp() const { return lowerClamp_; }
 
     /// Offset of a block's miss counts in the arena; the block is made on first use.
     std::uint32_t offsetOf(const BlockKey<Dim>& key) { return offset(numberOf(key)); }
@@ -183,28 +183,17 @@ struct RayLanes {
     std::uint32_t kind = 0;
     int count = 0;
     alignas(32) std::uint32_t ray[8] = {};  ///< numbers; of unused lanes: any
+    std::int32_t from[8] = {};              ///< slices to begin with
 };
 
-/// Appends the free cells of some rays from slice `from` on. \pre count > 0
+/// Appends the free cells of some rays. \pre count > 0
 template <int Dim>
 using WalkRays = void (*)(WalkState<Dim>& state, const RayBundle<Dim>& rays,
-                          const RayLanes& lanes, std::int32_t from);
+                          const RayLanes& lanes);
 
-/// How far a beam is saturated.
-struct Look {
-    static constexpr std::uint32_t kNoCell = ~std::uint32_t{0};
-    /// The first slice in which a cell matters.
-    std::int32_t slice = 0;
-    /// Such a cell (its offset into the miss counts), which matters as long as it
-    /// has less than `needed` misses; kNoCell if the beam is too wide to tell.
-    std::uint32_t cell = kNoCell, needed = 0;
-};
-
-/// First slice in [from, to) in which a beam may visit a cell for which more
-/// misses matter; `to` if there is none. \pre from < to
+/// Which of the counts of a block are at least `least`, 1 <= least <= 255.
 template <int Dim>
-using FirstUnsaturated = Look (*)(WalkState<Dim>& state, const Beam<Dim>& beam,
-                                  std::int32_t from, std::int32_t to);
+using AtLeast = BlockMask<Dim> (*)(const std::uint8_t* counts, std::uint32_t least);
 
 /// What exists per instruction set.
 template <int Dim>
@@ -213,8 +202,7 @@ struct WalkKernels {
     WalkRays<Dim> walkRays;
     FindDirections<Dim> findDirections;
     FindEnds<Dim> findEnds;
-    BoundGroups<Dim> boundGroups;
-    FirstUnsaturated<Dim> firstUnsaturated;
+    AtLeast<Dim> atLeast;
 };
 
 /// The free cells in the slices [from, to), for any instruction set.

@@ -1,0 +1,53 @@
+#pragma once
+// Method `auto`: each ray is walked from where it has something to tell, as far as
+// the map and the rays before it leave something to be told.
+
+#include "end_addresses.h"
+#include "settled_region.h"
+#include "walk_kernel.h"
+
+#include <array>
+
+namespace superray {
+
+/// One thread's part of a scan: begin(), then walk() of any number of parts of the
+/// rays, then end().
+template <int Dim>
+class HorizonWalk {
+ public:
+    /// \param map nullptr: none; must outlive the scan
+    /// \pre the rays have the common origin; state.reset() and
+    /// state.countMapSaturation() were called
+    void begin(const RayBundle<Dim>& rays, const SaturationSource<Dim>* map,
+               WalkState<Dim>& state);
+
+    /// Counts what the rays [first, last) have to tell.
+    void walk(std::size_t first, std::size_t last);
+
+    void end() { state_->flush(1); }
+
+    /// Rays that were cut short or left out, and open ... since begin().
+    std::uint64_t culled() const { return culled_; }
+
+ private:
+    void chooseTiles(std::size_t first, std::size_t last);
+    void addHits(std::size_t first, std::size_t last);
+    void lookAround();
+    void walkRay(std::uint32_t ray);
+    void walkLanes(RayLanes& lanes);
+
+    const RayBundle<Dim>* rays_ = nullptr;
+    const SaturationSource<Dim>* map_ = nullptr;
+    WalkState<Dim>* state_ = nullptr;
+    WalkKernels<Dim> kernels_;
+    Units<Dim> origin_{};
+    std::size_t first_ = 0;  // ray that the directions begin with
+    RayDirections<Dim> directions_;
+    EndAddresses<Dim> ends_;
+    Horizon<Dim> horizon_;
+    SettledRegion<Dim> region_;
+    std::array<RayLanes, DirectionTiles<Dim>::kKinds> waiting_;  // per kind
+    std::uint64_t culled_ = 0;
+};
+
+}  // namespace superray

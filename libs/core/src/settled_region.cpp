@@ -1,0 +1,147 @@
+#include "settled_region.h"
+
+#include "mask_fill.h"
+
+namespace superray {
+
+template <int Dim>
+void SettledRegion<Dim>::reset(const BlockBox<Dim>& box) {
+    directory_.reset(box);
+    blocks_.clear();
+    build_ = 0;
+}
+
+template <int Dim>
+void SettledRegion<Dim>::build(const Cell<Dim>& sensor, WalkState<Dim>& state,
+                               const SaturationSource<Dim>* map, Horizon<Dim>& horizon) {
+    state_ = &state;
+    map_ = map;
+    horizon_ = &horizon;
+    ++build_;
+    work_ = 0;
+    queue_.clear();
+    visited_.clear();
+    const std::uint32_t first = blockAt(blockOf<Dim>(sensor));
+    enter(blocks_[first]);
+    const int at = indexInBlock<Dim>(sensor);
+    if (!blocks_[first].settled.test(at)) {
+        horizon.openAll();
+        return;
+    }
+    horizon.clear();
+    blocks_[first].reached.set(at);
+    queue_.push_back(first);
+    for (std::size_t i = 0; i < queue_.size(); ++i) spread(queue_[i]);
+    for (const std::uint32_t number : visited_) note(blocks_[number]);
+    horizon.completeOpen();
+}
+
+/// Number of a block, which is made on first use.
+template <int Dim>
+std::uint32_t SettledRegion<Dim>::blockAt(const BlockKey<Dim>& key) {
+    std::uint32_t number = directory_.number(key);
+    if (number == 0) {
+        blocks_.emplace_back();
+        blocks_.back().key = key;
+        number = static_cast<std::uint32_t>(blocks_.size());
+        directory_.setNumber(key, number);
+    }
+    return number - 1;
+}
+
+/// Prepares a block that this build has not come to before.
+/// \return false if no ray gets there
+template <int Dim>
+bool SettledRegion<Dim>::enter(Block& block) {
+    if (block.build == build_) return block.relevant;
+    Cell<Dim> highest;
+    const Cell<Dim> lowest = cellInBlock<Dim>(block.key, 0);
+    for (int a = 0; a < Dim; ++a) highest[a] = lowest[a] + kBlockEdge - 1;
+    if (block.build == 0) block.relevant = horizon_->reaches(lowest, highest);
+    block.build = build_;
+    block.queued = false;
+    block.reached = block.open = {};
+    if (!block.relevant) return false;
+    findSettled(block);
+    visited_.push_back(static_cast<std::uint32_t>(&block - blocks_.data()));
+    work_ += 40;
+    return true;
+}
+
+template <int Dim>
+void SettledRegion<Dim>::findSettled(Block& block) {
+    static const AtLeast<Dim> atLeast = bestKernels<Dim>().atLeast;
+    const std::uint32_t number = state_->directory.number(block.key);
+    if (number == WalkState<Dim>::kNoCounts) {
+        block.settled.words.fill(~std::uint64_t{0});
+    } else if (number != 0) {
+        const std::uint32_t needed =
+            number & WalkState<Dim>::kMayExceedUnknown ? state_->enough : state_->enoughUnknown;
+        block.settled =
+            atLeast(state_->batch.missArena() + WalkState<Dim>::offset(number), needed);
+    } else {
+        if (!block.knowsMap && map_ != nullptr)
+            block.saturated = map_->saturation(block.key, state_->lowerClamp()).saturatedFree;
+        block.knowsMap = true;
+        block.settled = block.saturated;
+    }
+}
+
+/// Spreads the region in a block and to its neighbours.
+template <int Dim>
+void SettledRegion<Dim>::spread(std::uint32_t number) {
+    blocks_[number].queued = false;
+    {
+        Block& block = blocks_[number];
+        fill<Dim>(block.reached, block.settled);
+        work_ += 40;
+    }
+    // pass() may make blocks, which moves them all.
+    const BlockMask<Dim> reached = blocks_[number].reached;
+    const BlockKey<Dim> key = blocks_[number].key;
+    for (int a = 0; a < Dim; ++a) {
+        for (const int step : {-1, 1}) {
+            BlockKey<Dim> to = key;
+            to[a] += step;
+            const BlockMask<Dim> cells = acrossFace<Dim>(reached, a, step);
+            if (cells.any() && directory_.box().contains(to)) pass(to, cells);
+        }
+    }
+}
+
+/// The region has come to these cells of a block.
+template <int Dim>
+void SettledRegion<Dim>::pass(const BlockKey<Dim>& to, const BlockMask<Dim>& cells) {
+    const std::uint32_t number = blockAt(to);
+    Block& block = blocks_[number];
+    if (!enter(block)) return;
+    std::uint64_t fresh = 0;
+    for (int w = 0; w < BlockMask<Dim>::kWords; ++w) {
+        block.open.words[w] |= cells.words[w] & ~block.settled.words[w];
+        const std::uint64_t more = cells.words[w] & block.settled.words[w];
+        fresh |= more & ~block.reached.words[w];
+        block.reached.words[w] |= more;
+    }
+    if (fresh == 0 || block.queued) return;
+    block.queued = true;
+    queue_.push_back(number);
+}
+
+/// Notes the open cells of a block.
+template <int Dim>
+void SettledRegion<Dim>::note(const Block& block) {
+    const BlockMask<Dim> beside = dilated<Dim>(block.reached);
+    for (int w = 0; w < BlockMask<Dim>::kWords; ++w) {
+        std::uint64_t open =
+            block.open.words[w] | (beside.words[w] & ~block.settled.words[w]);
+        for (; open != 0; open &= open - 1) {
+            horizon_->open(cellInBlock<Dim>(block.key, 64 * w + __builtin_ctzll(open)));
+            work_ += 20;
+        }
+    }
+}
+
+template class SettledRegion<2>;
+template class SettledRegion<3>;
+
+}  // namespace superray

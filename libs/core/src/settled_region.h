@@ -1,0 +1,62 @@
+#pragma once
+// The settled region of a scan: what the culling region is to a map, seen from
+// every direction.
+
+#include "horizon.h"
+#include "walk_kernel.h"
+
+#include <memory>
+#include <vector>
+
+namespace superray {
+
+/// A cell is settled if more misses change nothing: the map is saturated free
+/// there, this scan has missed it often enough, or has hit it so often that its
+/// misses do not matter. The region is all settled cells that are connected with
+/// the sensor's cell by faces. Cells beside it are open.
+///
+/// The cells of a ray before its first open cell are settled, and each is beside
+/// the next. So they are in the region, and that open cell is beside it: what rays
+/// have to tell begins at the open cells beside the region, wherever they are.
+template <int Dim>
+class SettledRegion {
+ public:
+    /// Begins a scan (or a part of one).
+    void reset(const BlockBox<Dim>& box);
+
+    /// Finds the region, and notes in the horizon the open cells that rays reach.
+    /// \param map may be nullptr
+    void build(const Cell<Dim>& sensor, WalkState<Dim>& state,
+               const SaturationSource<Dim>* map, Horizon<Dim>& horizon);
+
+    /// Work of the last build(), about as many times as long as visiting a cell
+    /// of a ray.
+    std::uint64_t work() const { return work_; }
+
+ private:
+    struct Block {
+        BlockKey<Dim> key;
+        BlockMask<Dim> settled, reached, open;
+        BlockMask<Dim> saturated;  // by the map; once known
+        std::uint32_t build = 0;   // the last one that came here
+        bool queued = false, relevant = false, knowsMap = false;
+    };
+
+    std::uint32_t blockAt(const BlockKey<Dim>& key);
+    bool enter(Block& block);
+    void findSettled(Block& block);
+    void spread(std::uint32_t number);
+    void pass(const BlockKey<Dim>& to, const BlockMask<Dim>& cells);
+    void note(const Block& block);
+
+    BlockDirectory<Dim> directory_;  // block -> 1 + number
+    std::vector<Block> blocks_;
+    std::vector<std::uint32_t> queue_, visited_;
+    std::uint32_t build_ = 0;
+    std::uint64_t work_ = 0;
+    WalkState<Dim>* state_ = nullptr;
+    const SaturationSource<Dim>* map_ = nullptr;
+    Horizon<Dim>* horizon_ = nullptr;
+};
+
+}  // namespace superray
