@@ -20,10 +20,12 @@ void Horizon<Dim>::reset(const DirectionTiles<Dim>& tiles, const Units<Dim>& ori
     tiles_ = tiles;
     perKind_ = tiles.perKind();
     used_ = 0;
+    tilesWithRays_ = 0;
     levelBegin_.clear();
     for (int l = 0; l <= tiles.levels; ++l) levelBegin_.push_back(tiles.levelBegin(l));
     reach_.resize(tiles.count());
     open_.resize(tiles.count());
+    limit_.resize(tiles.count());
     for (int a = 0; a < Dim; ++a) {
         sensor_[a] = RayLine<Dim>::cellOfUnits(origin[a]);
         within_[a] = static_cast<float>(origin[a] & (kUnitsPerCell - 1)) /
@@ -49,10 +51,11 @@ void Horizon<Dim>::completeReach() {
             const std::uint32_t edge = tiles_.edge(level);
             for (std::uint32_t y = 0; y < (Dim == 3 ? edge : 1); ++y) {
                 for (std::uint32_t x = 0; x < edge; ++x) {
-                    coarse[x] = largest(fine[2 * x], fine[2 * x + 1]);
+                    coarse[x] = fine[2 * x].joined(fine[2 * x + 1]);
                     if (Dim == 3)
-                        coarse[x] = largest(coarse[x], largest(fine[2 * edge + 2 * x],
-                                                               fine[2 * edge + 2 * x + 1]));
+                        coarse[x] = coarse[x]
+                                        .joined(fine[2 * edge + 2 * x])
+                                        .joined(fine[2 * edge + 2 * x + 1]);
                 }
                 coarse += edge;
                 fine += 4 * edge;
@@ -68,6 +71,7 @@ void Horizon<Dim>::clear() {
                                         perKind_ * static_cast<unsigned>(__builtin_ctz(left))),
                     perKind_, kNever);
     open_[tiles_.lone()] = 0;
+    completeLimits();
 }
 
 template <int Dim>
@@ -95,102 +99,202 @@ void Horizon<Dim>::completeOpen() {
     }
 }
 
+/// How far there is something to see: as far as rays reach, but not behind what is
+/// open.
+template <int Dim>
+void Horizon<Dim>::completeLimits() {
+    opened_ = 0;
+    for (std::uint32_t left = used_; left != 0; left &= left - 1) {
+        const auto number = static_cast<unsigned>(__builtin_ctz(left));
+        const unsigned d = number & 3;
+        Slice* const kind = limit_.data() + perKind_ * number;
+        const Extent* const reach = reach_.data() + perKind_ * number;
+        const Slice* const open = open_.data() + perKind_ * number;
+        for (std::uint32_t t = 0; t < levelBegin_.data()[1]; ++t) {
+            kind[t] = std::min(static_cast<Slice>(reach[t][d] + 1), open[t]);
+        }
+        for (int level = 1; level <= tiles_.levels; ++level) {
+            const Slice* fine = kind + levelBegin_[static_cast<std::size_t>(level - 1)];
+            Slice* coarse = kind + levelBegin_[static_cast<std::size_t>(level)];
+            const std::uint32_t edge = tiles_.edge(level);
+            for (std::uint32_t y = 0; y < (Dim == 3 ? edge : 1); ++y) {
+                for (std::uint32_t x = 0; x < edge; ++x) {
+                    coarse[x] = std::max(fine[2 * x], fine[2 * x + 1]);
+                    if (Dim == 3)
+                        coarse[x] = std::max(coarse[x], std::max(fine[2 * edge + 2 * x],
+                                                                 fine[2 * edge + 2 * x + 1]));
+                }
+                coarse += edge;
+                fine += 4 * edge;
+            }
+        }
+    }
+}
+
 /// A ray visits a cell in slice k only if, somewhere between entering and leaving
 /// the slice, its minor coordinates are within those of the cell. So its slope is
 /// between (nearest minor / farthest dominant) and (farthest / nearest).
 template <int Dim>
 template <typename Visit>
-void Horizon<Dim>::forEachFootprint(const Cell<Dim>& lowest, const Cell<Dim>& highest,
-                                    const Visit& visit) const {
+void Horizon<Dim>::forEachSight(const BlockKey<Dim>& block, const Visit& visit) const {
     const auto tilesPerAxis = static_cast<float>(tiles_.edge(0));
     const float lastTile = tilesPerAxis - 1;
-    std::uint32_t possible = 0;  // bit: sides of the axes on which the box lies
+    const Cell<Dim> lowest = cellInBlock<Dim>(block, 0);
     for (std::uint32_t side = 0; side < 1u << Dim; ++side) {
+        BlockSight s;
         bool there = true;
-        for (int a = 0; a < Dim; ++a)
-            there &= side >> a & 1 ? lowest[a] <= sensor_[a] : highest[a] >= sensor_[a];
-        possible |= there ? 1u << side : 0u;
-    }
-    for (; possible != 0; possible &= possible - 1) {
-        const auto side = static_cast<std::uint32_t>(__builtin_ctz(possible));
-        std::int32_t nearest[Dim];
-        float near[Dim], far[Dim];  // of the box, as seen from the origin [cells]
         for (int a = 0; a < Dim; ++a) {
-            const bool back = side >> a & 1;
-            const std::int32_t low = back ? sensor_[a] - highest[a] : lowest[a] - sensor_[a];
-            const std::int32_t high = back ? sensor_[a] - lowest[a] : highest[a] - sensor_[a];
+            const bool back = s.back[a] = side >> a & 1;
+            const std::int32_t highest = lowest[a] + kBlockEdge - 1;
+            there &= back ? lowest[a] <= sensor_[a] : highest >= sensor_[a];
+            const std::int32_t low = back ? sensor_[a] - highest : lowest[a] - sensor_[a];
             const float within = back ? 1 - within_[a] : within_[a];
-            nearest[a] = std::max(low, 0);
-            near[a] = static_cast<float>(nearest[a]) - within;
-            far[a] = static_cast<float>(high + 1) - within;
+            s.nearest[a] = std::max(low, 0);
+            s.near[a] = static_cast<float>(s.nearest[a]) - within;
+            s.far[a] = static_cast<float>(low + kBlockEdge) - within;
         }
-        Extent extent{};
-        for (int a = 0; a < Dim; ++a) extent[a] = static_cast<std::uint16_t>(nearest[a]);
+        if (!there) continue;
         for (int d = 0; d < Dim; ++d) {
-            const std::uint32_t kind = static_cast<std::uint32_t>(d) | side << 2;
-            if ((used_ >> kind & 1) == 0) continue;
-            // Beyond 2^16 - 2 slices, rays begin there at the latest.
-            Footprint f{kind,
-                        static_cast<Slice>(std::min<std::int32_t>(nearest[d], kNever - 1)),
-                        extent,
-                        {0, 0},
-                        {0, 0}};
-            const float perFar = 1 / far[d];
-            const float perNear = near[d] > 0 ? 1 / near[d] : std::numeric_limits<float>::max();
+            s.kind = static_cast<std::uint32_t>(d) | side << 2;
+            if ((used_ >> s.kind & 1) == 0) continue;
+            s.dominant = d;
+            const float perFar = 1 / s.far[d];
+            const float perNear =
+                s.near[d] > 0 ? 1 / s.near[d] : std::numeric_limits<float>::max();
             bool seen = true;
+            s.low[1] = s.high[1] = 0;
             for (int a = 0, m = 0; a < Dim; ++a) {
                 if (a == d) continue;
-                const float low = (near[a] - kLag) * perFar - kSlopeError;
-                const float high = (far[a] + kLag) * perNear + kSlopeError;
+                const float low = (s.near[a] - kLag) * perFar - kSlopeError;
+                const float high = (s.far[a] + kLag) * perNear + kSlopeError;
                 seen &= low <= 1;
-                f.low[m] = static_cast<std::uint32_t>(
+                s.low[m] = static_cast<std::uint32_t>(
                     std::clamp(low * tilesPerAxis, 0.0f, lastTile));
-                f.high[m] = static_cast<std::uint32_t>(
+                s.high[m] = static_cast<std::uint32_t>(
                     std::clamp(high * tilesPerAxis, 0.0f, lastTile));
                 ++m;
             }
-            if (seen && !visit(f)) return;
+            if (seen && !visit(s)) return;
         }
     }
 }
 
-/// Visits tiles of a level until visit(tile) returns true. \return whether it did
 template <int Dim>
-template <typename Visit>
-bool Horizon<Dim>::anyTile(const Footprint& f, int level, const Visit& visit) const {
-    const std::uint32_t begin = f.kind * perKind_ + levelBegin_[static_cast<std::size_t>(level)];
-    const int bits = tiles_.levels - level;
-    for (std::uint32_t y = f.low[1] >> level; y <= f.high[1] >> level; ++y)
-        for (std::uint32_t x = f.low[0] >> level; x <= f.high[0] >> level; ++x)
-            if (visit(begin + (y << bits) + x)) return true;
-    return false;
-}
-
-template <int Dim>
-bool Horizon<Dim>::reaches(const Cell<Dim>& lowest, const Cell<Dim>& highest) const {
+bool Horizon<Dim>::reaches(const BlockKey<Dim>& block) const {
     bool reached = false;
-    forEachFootprint(lowest, highest, [&](const Footprint& f) {
-        const std::uint32_t width = std::max(f.high[0] - f.low[0], f.high[1] - f.low[1]);
+    forEachSight(block, [&](const BlockSight& s) {
+        Extent extent{};
+        for (int a = 0; a < Dim; ++a) extent.set(a, s.nearest[a]);
+        const std::uint32_t width = std::max(s.high[0] - s.low[0], s.high[1] - s.low[1]);
         // Two or three tiles per axis.
         const int level = std::min(tiles_.levels, std::max(0, bitLength(width) - 1));
-        reached = anyTile(f, level, [&](std::uint32_t tile) { return within(f.extent, reach_[tile]); });
+        const std::uint32_t begin =
+            s.kind * perKind_ + levelBegin_[static_cast<std::size_t>(level)];
+        for (std::uint32_t y = s.low[1] >> level; y <= s.high[1] >> level; ++y)
+            for (std::uint32_t x = s.low[0] >> level; x <= s.high[0] >> level; ++x) {
+                const std::uint32_t tile = begin + (y << (tiles_.levels - level)) + x;
+                reached |= extent.within(reach_[tile]) &&
+                           limit_[tile] > extent[static_cast<unsigned>(s.dominant)];
+            }
         return !reached;
     });
     return reached;
 }
 
 template <int Dim>
-void Horizon<Dim>::open(const Cell<Dim>& cell) {
-    forEachFootprint(cell, cell, [&](const Footprint& f) {
-        const std::uint32_t width = std::max(f.high[0] - f.low[0], f.high[1] - f.low[1]);
-        // Up to five tiles per axis, so that a coarse one adds little.
-        const int level = std::min(tiles_.levels, std::max(0, bitLength(width) - 2));
-        anyTile(f, level, [&](std::uint32_t tile) {
-            if (within(f.extent, reach_[tile])) open_[tile] = std::min(open_[tile], f.slice);
-            return false;
-        });
+void Horizon<Dim>::open(const BlockKey<Dim>& block, const BlockMask<Dim>& cells) {
+    forEachSight(block, [&](const BlockSight& s) {
+        openSeen(s, block, cells);
         return true;
     });
+    constexpr std::uint32_t kMany = 4096;
+    if (opened_ >= kMany) completeLimits();
+}
+
+/// Footprints of cells are products over the minor axes: of each, all that a block
+/// needs are computed first.
+template <int Dim>
+void Horizon<Dim>::openSeen(const BlockSight& s, const BlockKey<Dim>& block,
+                            const BlockMask<Dim>& cells) {
+    constexpr int kEdge = kBlockEdge;
+    constexpr int kMinors = Dim - 1;
+    const auto tilesPerAxis = static_cast<float>(tiles_.edge(0));
+    const float lastTile = tilesPerAxis - 1;
+    const int d = s.dominant;
+    std::int32_t away[Dim][kEdge];  // from the sensor's cell; negative: not seen
+    float within[Dim];
+    for (int a = 0; a < Dim; ++a) {
+        within[a] = s.back[a] ? 1 - within_[a] : within_[a];
+        const std::int32_t first = block[a] * kEdge - sensor_[a];
+        for (int i = 0; i < kEdge; ++i) away[a][i] = s.back[a] ? -(first + i) : first + i;
+    }
+    float perNear[kEdge], perFar[kEdge];
+    for (int i = 0; i < kEdge; ++i) {
+        const float entry = static_cast<float>(away[d][i]) - within[d];
+        perNear[i] = entry > 0 ? 1 / entry : std::numeric_limits<float>::max();
+        perFar[i] = 1 / std::max(entry + 1, 1e-6f);
+    }
+    std::uint16_t low[kMinors][kEdge][kEdge], high[kMinors][kEdge][kEdge];  // [.][minor][d]
+    for (int a = 0, m = 0; a < Dim; ++a) {
+        if (a == d) continue;
+        for (int j = 0; j < kEdge; ++j) {
+            const float from = static_cast<float>(away[a][j]) - within[a] - kLag;
+            const float to = from + 1 + 2 * kLag;
+            for (int i = 0; i < kEdge; ++i) {
+                const float lowTile = (from * perFar[i] - kSlopeError) * tilesPerAxis;
+                const float highTile = (to * perNear[i] + kSlopeError) * tilesPerAxis;
+                // Beyond the last tile: seen by none.
+                low[m][j][i] = static_cast<std::uint16_t>(
+                    std::clamp(lowTile, 0.0f, tilesPerAxis + 1));
+                high[m][j][i] =
+                    static_cast<std::uint16_t>(std::clamp(highTile, 0.0f, lastTile));
+            }
+        }
+        ++m;
+    }
+    const std::uint32_t firstTile = s.kind * perKind_;
+    for (int w = 0; w < BlockMask<Dim>::kWords; ++w) {
+        for (std::uint64_t left = cells.words[w]; left != 0; left &= left - 1) {
+            const int index = 64 * w + __builtin_ctzll(left);
+            int at[Dim];
+            Extent extent{};
+            bool seen = true;
+            for (int a = 0; a < Dim; ++a) {
+                at[a] = index >> (kBlockBits * a) & (kEdge - 1);
+                seen &= away[a][at[a]] >= 0;
+                extent.set(a, std::max(away[a][at[a]], 0));
+            }
+            if (!seen) continue;
+            std::uint32_t lows[2] = {0, 0}, highs[2] = {0, 0};
+            for (int a = 0, m = 0; a < Dim; ++a) {
+                if (a == d) continue;
+                lows[m] = low[m][at[a]][at[d]];
+                highs[m] = high[m][at[a]][at[d]];
+                seen &= lows[m] < tiles_.edge(0);
+                ++m;
+            }
+            if (!seen) continue;
+            // Beyond 2^16 - 2 slices, rays begin there at the latest.
+            const auto slice = static_cast<Slice>(std::min(away[d][at[d]], kNever - 1));
+            openTiles(firstTile, lows, highs, extent, slice);
+        }
+    }
+}
+
+template <int Dim>
+void Horizon<Dim>::openTiles(std::uint32_t firstTile, const std::uint32_t* low,
+                             const std::uint32_t* high, Extent extent, Slice slice) {
+    const std::uint32_t width = std::max(high[0] - low[0], high[1] - low[1]);
+    // Not too many tiles; and not so coarse that they add much.
+    const int level = std::max(0, bitLength(width) - 4);
+    const std::uint32_t begin = firstTile + levelBegin_[static_cast<std::size_t>(level)];
+    for (std::uint32_t y = low[1] >> level; y <= high[1] >> level; ++y)
+        for (std::uint32_t x = low[0] >> level; x <= high[0] >> level; ++x) {
+            const std::uint32_t tile = begin + (y << (tiles_.levels - level)) + x;
+            if (slice >= open_[tile] || !extent.within(reach_[tile])) continue;
+            open_[tile] = slice;
+            ++opened_;
+        }
 }
 
 template class Horizon<2>;

@@ -2,6 +2,7 @@
 // The horizon of a scan: for each tile of directions, how far rays get there, and
 // from where on they have something to tell.
 
+#include <superray/core/block.h>
 #include <superray/core/ray_line.h>
 
 #include "ray_directions.h"
@@ -25,22 +26,27 @@ class Horizon {
 
     void addRay(std::uint32_t tile, Extent extent) {
         if (tile == tiles_.lone()) return;
-        const std::uint32_t kind = tile / perKind_;
+        const std::uint32_t kind = tiles_.kindOf(tile);
         if ((used_ >> kind & 1) == 0) use(kind);
-        reach_[tile] = largest(reach_[tile], extent);
+        // Seldom true, so waiting for the last store is spared.
+        if (extent.within(reach_[tile])) return;
+        tilesWithRays_ += reach_[tile] == Extent();
+        reach_[tile] = reach_[tile].joined(extent);
     }
+    /// Tiles in which rays leave the sensor's cell.
+    std::size_t tilesWithRays() const { return tilesWithRays_; }
     /// After the last ray, before the first question.
     void completeReach();
 
-    /// Whether a ray may visit a cell in these inclusive bounds.
-    bool reaches(const Cell<Dim>& lowest, const Cell<Dim>& highest) const;
+    /// Whether a ray may visit a cell of the block, and has nothing to tell before.
+    bool reaches(const BlockKey<Dim>& block) const;
 
     /// Forgets what was noted: no ray has anything to tell, or each from the
     /// beginning on.
     void clear();
     void openAll();
-    /// Notes that rays have something to tell at a cell.
-    void open(const Cell<Dim>& cell);
+    /// Notes that rays have something to tell at these cells of a block.
+    void open(const BlockKey<Dim>& block, const BlockMask<Dim>& cells);
     /// After the last open(), before the first firstOpen().
     void completeOpen();
     /// The first slice in which a ray of the tile has something to tell; kNever if
@@ -48,33 +54,37 @@ class Horizon {
     Slice firstOpen(std::uint32_t tile) const { return open_[tile]; }
 
  private:
-    /// Tiles of a kind that see a box of cells, and its first slice.
-    struct Footprint {
+    /// A block as seen by the rays of a kind.
+    struct BlockSight {
         std::uint32_t kind;
-        Slice slice;
-        Extent extent;  ///< of the nearest cell
-        std::uint32_t low[2], high[2];  ///< per minor axis
+        int dominant;
+        bool back[Dim];                  ///< per axis: runs backwards
+        std::int32_t nearest[Dim];       ///< cells from the sensor's cell, >= 0
+        float near[Dim], far[Dim];       ///< from the origin [cells]
+        std::uint32_t low[2], high[2];   ///< tiles that see it, per minor axis
     };
     template <typename Visit>
-    void forEachFootprint(const Cell<Dim>& lowest, const Cell<Dim>& highest,
-                          const Visit& visit) const;
-    template <typename Visit>
-    bool anyTile(const Footprint& f, int level, const Visit& visit) const;
+    void forEachSight(const BlockKey<Dim>& block, const Visit& visit) const;
+    void openSeen(const BlockSight& sight, const BlockKey<Dim>& block,
+                  const BlockMask<Dim>& cells);
+    void openTiles(std::uint32_t firstTile, const std::uint32_t* low, const std::uint32_t* high,
+                   Extent extent, Slice slice);
+    void completeLimits();
     void use(std::uint32_t kind);
-    static Extent largest(Extent a, Extent b) { return a > b ? a : b; }
-    static bool within(Extent a, Extent b) {
-        const auto beyond = (std::uint64_t)(a > b);
-        return beyond == 0;
-    }
 
     DirectionTiles<Dim> tiles_;
     std::uint32_t perKind_ = 0;
+    std::size_t tilesWithRays_ = 0;
     std::uint32_t used_ = 0;  // bit per kind
     Cell<Dim> sensor_{};
     float within_[Dim] = {};  // of the origin in its cell
     std::vector<std::uint32_t> levelBegin_;
     std::vector<Extent> reach_;  // largest, axis by axis
     std::vector<Slice> open_;
+    /// Per tile of coarse levels: the farthest slice that is not behind an open
+    /// cell, + 1.
+    std::vector<Slice> limit_;
+    std::uint32_t opened_ = 0;  // tiles since the limits were computed
 };
 
 }  // namespace superray

@@ -1,19 +1,25 @@
 #include "horizon_walk.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace superray {
 namespace {
 
-/// Rays are walked in rounds of some of these classes, by ray number: a prime, so
-/// that the rays of a class are spread over rows and columns of any sensor.
-constexpr std::size_t kClasses = 37;
-/// Classes per round; the last round has all that are left.
-constexpr std::size_t kRounds[] = {1, 1, 2, 4, 8};
+/// Rays are told apart by their number modulo a prime, so that those of a class are
+/// spread over rows and columns of any sensor. Some of the classes are walked
+/// first: what these saturate, the others are spared.
+constexpr std::size_t kClasses = 37, kFirstClasses = 4, kBetweenFirst = 14,
+                      kLaterClass = 21;
 
 /// Looking around again must be likely to save so many times its work.
-static const double TF = getenv("TF") ? atof(getenv("TF")) : 1; static const int ML = getenv("ML") ? atoi(getenv("ML")) : 7; static const double kWorthIt = getenv("KW") ? atof(getenv("KW")) : 4;
+constexpr double kWorthIt = 4;
+/// Rays per tile from which on this may pay at all: rays that are walked out of
+/// the sensor's order find less in the cache.
+constexpr std::size_t kDense = 5;
+
+/// Most work of looking around, per ray: about what it takes to walk a ray through
+/// as many cells.
+constexpr std::size_t kWorkPerRay = 6;
 
 /// Addresses gathered before they are counted: enough to keep the counting loop
 /// free of mispredictions, few enough to stay in the L1 cache.
@@ -59,66 +65,104 @@ void HorizonWalk<Dim>::walk(std::size_t first, std::size_t last) {
     addHits(first, last);
 
     region_.reset(state_->directory.box());
-    lookAround();
+    lookAround(count);
     bool done[kClasses] = {};
-    std::size_t next = 0, walked = 0;
-    const std::uint64_t before = state_->traversed;
-    for (const std::size_t classes : kRounds) {
-        // Classes far apart, so that the rays of a round are.
-        for (std::size_t c = 0; c < classes; ++c, next = (next + 14) % kClasses) {
-            done[next] = true;
-            for (std::size_t i = next; i < count; i += kClasses)
-                walkRay(static_cast<std::uint32_t>(i));
+    if (count > kDense * horizon_.tilesWithRays()) walkFirst(count, done);
+    chosen_.resize(count + kClasses);
+    std::size_t chosen = 0;
+    for (std::size_t i = 0; i < count; i += kClasses)
+        for (std::size_t c = 0; c < std::min(kClasses, count - i); ++c) {
+            chosen_[chosen] = static_cast<std::uint32_t>(i + c);
+            chosen += static_cast<std::size_t>(!done[c]) & hasToTell(i + c);
         }
-        walked += classes;
-        for (RayLanes& lanes : waiting_) walkLanes(lanes);
-        state_->flush(1);
-        const double visits = static_cast<double>(state_->traversed - before);
-        const double left = visits / static_cast<double>(walked) *
-                            static_cast<double>(kClasses - walked);
-        if (left < kWorthIt * static_cast<double>(region_.work())) break;
-        lookAround();
+    culled_ += count;
+    walkChosen(chosen);
+}
+
+/// Walks some classes of rays and looks around again, if that is worth while.
+template <int Dim>
+void HorizonWalk<Dim>::walkFirst(std::size_t count, bool* done) {
+    for (std::size_t i = 0, c = 0; i < kFirstClasses; ++i, c = (c + kBetweenFirst) % kClasses) {
+        done[c] = true;
+        walkClass(c, count);
     }
-    for (std::size_t i = 0; i < count;)
-        for (std::size_t c = 0; c < kClasses && i < count; ++c, ++i)
-            if (!done[c]) walkRay(static_cast<std::uint32_t>(i));
+    const double left = slicesOfClass(kLaterClass, count) * (kClasses - kFirstClasses);
+    if (left > kWorthIt * static_cast<double>(region_.work())) lookAround(count);
+}
+
+/// Slices of rays in which there may be something to tell.
+template <int Dim>
+double HorizonWalk<Dim>::slicesOfClass(std::size_t c, std::size_t count) const {
+    double slices = 0;
+    for (std::size_t i = c; i < count; i += kClasses)
+        slices += std::max(0, lastSlice(i) + 1 - horizon_.firstOpen(directions_.tile[i]));
+    return slices;
+}
+
+/// The slice in which a ray of the part ends.
+template <int Dim>
+std::int32_t HorizonWalk<Dim>::lastSlice(std::size_t ray) const {
+    return directions_.extent[ray][directions_.tiles.kindOf(directions_.tile[ray]) & 3];
+}
+
+/// Whether a ray of the part has something to tell, as far as the horizon knows.
+template <int Dim>
+bool HorizonWalk<Dim>::hasToTell(std::size_t ray) const {
+    return horizon_.firstOpen(directions_.tile[ray]) <= lastSlice(ray);
+}
+
+template <int Dim>
+void HorizonWalk<Dim>::walkClass(std::size_t c, std::size_t count) {
+    chosen_.resize(count / kClasses + 1);
+    std::size_t chosen = 0;
+    for (std::size_t i = c; i < count; i += kClasses) {
+        chosen_[chosen] = static_cast<std::uint32_t>(i);
+        chosen += hasToTell(i);
+    }
+    walkChosen(chosen);
+}
+
+/// Walks the first `count` of chosen_.
+template <int Dim>
+void HorizonWalk<Dim>::walkChosen(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t ray = chosen_[i];
+        const std::uint32_t tile = directions_.tile[ray];
+        const std::int32_t from = horizon_.firstOpen(tile);
+        culled_ -= from == 0;
+        if (tile == directions_.tiles.lone()) {
+            const RayLine<Dim> line(
+                origin_, RayLine<Dim>::unitsOf(rays_->geometry(), rays_->end(first_ + ray)));
+            state_->addresses.reserveMore(static_cast<std::size_t>(line.steps()));
+            kernels_.walk(*state_, line, 0);
+            continue;
+        }
+        RayLanes& lanes = waiting_[directions_.tiles.kindOf(tile)];
+        lanes.ray[lanes.count] = static_cast<std::uint32_t>(first_) + ray;
+        lanes.from[lanes.count] = from;
+        if (++lanes.count == 8) walkLanes(lanes);
+    }
     for (RayLanes& lanes : waiting_) walkLanes(lanes);
     state_->flush(1);
 }
 
-/// Tiles about as wide as a cell at the end of a typical ray.
+/// Tiles about as wide as a cell at the end of a typical ray; finer ones where few
+/// are enough for that.
 template <int Dim>
 void HorizonWalk<Dim>::chooseTiles(std::size_t first, std::size_t last) {
+    constexpr int kFew = 5;
     const double length = typicalLength(*rays_, first, last);
     int levels = 1;
-    while (levels < DirectionTiles<Dim>::kMostLevels && (1 << levels) < TF * length && levels < ML) ++levels;
+    while (levels < DirectionTiles<Dim>::kMostLevels &&
+           (1 << levels) < (levels < kFew ? 2 * length : length))
+        ++levels;
     directions_.tiles.levels = levels;
 }
 
 template <int Dim>
-void HorizonWalk<Dim>::lookAround() {
-    region_.build(rays_->geometry().cellOf(rays_->commonOrigin()), *state_, map_, horizon_);
-}
-
-/// \param ray number among the directions
-template <int Dim>
-void HorizonWalk<Dim>::walkRay(std::uint32_t ray) {
-    const std::uint32_t tile = directions_.tile[ray];
-    const std::int32_t from = horizon_.firstOpen(tile);
-    culled_ += from > 0;
-    if (tile == directions_.tiles.lone()) {
-        const RayLine<Dim> line(
-            origin_, RayLine<Dim>::unitsOf(rays_->geometry(), rays_->end(first_ + ray)));
-        state_->addresses.reserveMore(static_cast<std::size_t>(line.steps()));
-        kernels_.walk(*state_, line, 0);
-        return;
-    }
-    const std::uint32_t kind = tile / directions_.tiles.perKind();
-    if (from > directions_.extent[ray][kind & 3]) return;
-    RayLanes& lanes = waiting_[kind];
-    lanes.ray[lanes.count] = static_cast<std::uint32_t>(first_) + ray;
-    lanes.from[lanes.count] = from;
-    if (++lanes.count == 8) walkLanes(lanes);
+void HorizonWalk<Dim>::lookAround(std::size_t count) {
+    region_.build(rays_->geometry().cellOf(rays_->commonOrigin()), *state_, map_, horizon_,
+                  kWorkPerRay * count);
 }
 
 template <int Dim>

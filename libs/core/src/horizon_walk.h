@@ -26,14 +26,20 @@ class HorizonWalk {
 
     void end() { state_->flush(1); }
 
-    /// Rays that were cut short or left out, and open ... since begin().
+    /// Rays that were cut short or left out, since begin().
     std::uint64_t culled() const { return culled_; }
 
  private:
+    // Numbers of rays are among the part that walk() is at; `count` is its size.
     void chooseTiles(std::size_t first, std::size_t last);
     void addHits(std::size_t first, std::size_t last);
-    void lookAround();
-    void walkRay(std::uint32_t ray);
+    void lookAround(std::size_t count);
+    void walkFirst(std::size_t count, bool* done);
+    std::int32_t lastSlice(std::size_t ray) const;
+    bool hasToTell(std::size_t ray) const;
+    double slicesOfClass(std::size_t c, std::size_t count) const;
+    void walkClass(std::size_t c, std::size_t count);
+    void walkChosen(std::size_t count);
     void walkLanes(RayLanes& lanes);
 
     const RayBundle<Dim>* rays_ = nullptr;
@@ -41,9 +47,10 @@ class HorizonWalk {
     WalkState<Dim>* state_ = nullptr;
     WalkKernels<Dim> kernels_;
     Units<Dim> origin_{};
-    std::size_t first_ = 0;  // ray that the directions begin with
+    std::size_t first_ = 0;  // ray that the part begins with
     RayDirections<Dim> directions_;
     EndAddresses<Dim> ends_;
+    std::vector<std::uint32_t> chosen_;
     Horizon<Dim> horizon_;
     SettledRegion<Dim> region_;
     std::array<RayLanes, DirectionTiles<Dim>::kKinds> waiting_;  // per kind

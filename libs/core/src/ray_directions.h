@@ -8,8 +8,36 @@
 namespace superray {
 
 /// How many cells from the sensor's cell, per axis; without a sign, for that is
-/// the kind's. The rest is 0.
-using Extent = std::uint16_t __attribute__((vector_size(8)));
+/// the kind's. Three numbers in one word, each with a bit above it to compare all
+/// of them at once.
+class Extent {
+ public:
+    static constexpr int kBits = 21;
+
+    Extent() = default;
+    explicit Extent(std::uint64_t packed) : packed_(packed) {}
+    /// \param cells 0 <= cells < 2^20
+    void set(int axis, std::int32_t cells) {
+        packed_ |= std::uint64_t{static_cast<std::uint32_t>(cells)} << (kBits * axis);
+    }
+    std::int32_t operator[](std::uint32_t axis) const {
+        return static_cast<std::int32_t>(packed_ >> (kBits * axis) & (kAbove - 1));
+    }
+    bool operator==(Extent o) const { return packed_ == o.packed_; }
+    /// On every axis not farther than the other.
+    bool within(Extent o) const { return (((o.packed_ | kAll) - packed_) & kAll) == kAll; }
+    /// The farther one on each axis.
+    Extent joined(Extent o) const {
+        const std::uint64_t others = ((o.packed_ | kAll) - packed_) & kAll;
+        const std::uint64_t mask = others - (others >> (kBits - 1));  // whole fields
+        return Extent((o.packed_ & mask) | (packed_ & ~mask));
+    }
+
+ private:
+    static constexpr std::uint64_t kAbove = std::uint64_t{1} << (kBits - 1);
+    static constexpr std::uint64_t kAll = kAbove | kAbove << kBits | kAbove << (2 * kBits);
+    std::uint64_t packed_ = 0;
+};
 
 /// Directions as seen from the common origin of a scan. The kind of a ray is its
 /// dominant axis, + 4 * (bit a: axis a runs backwards). Of each kind, a square of
@@ -18,7 +46,7 @@ using Extent = std::uint16_t __attribute__((vector_size(8)));
 template <int Dim>
 struct DirectionTiles {
     static constexpr std::uint32_t kKinds = 1u << (2 + Dim);
-    static constexpr int kMostLevels = Dim == 2 ? 12 : 9;
+    static constexpr int kMostLevels = Dim == 2 ? 12 : 7;
 
     int levels = 0;  ///< 2^levels tiles per minor axis
 
@@ -29,7 +57,11 @@ struct DirectionTiles {
         for (int l = 0; l < level; ++l) begin += 1u << ((Dim - 1) * (levels - l));
         return begin;
     }
-    std::uint32_t perKind() const { return levelBegin(levels + 1); }
+    /// Tiles from one kind to the next: a power of two, to find the kind of a tile
+    /// by a shift.
+    int perKindBits() const { return (Dim - 1) * levels + 1; }
+    std::uint32_t perKind() const { return 1u << perKindBits(); }
+    std::uint32_t kindOf(std::uint32_t tile) const { return tile >> perKindBits(); }
     /// A tile of its own for rays of which single precision cannot tell a kind.
     std::uint32_t lone() const { return kKinds * perKind(); }
     std::uint32_t count() const { return lone() + 1; }

@@ -15,7 +15,7 @@ constexpr std::size_t kRaysPerShare = 256;
 /// Parts of a scan: so many per thread, if there are several, ...
 constexpr std::size_t kPartsPerShare = 4;
 /// ... and as many as have about so many rays.
-constexpr std::size_t kRaysPerPart = 1 << 17;
+constexpr std::size_t kRaysPerPart = 1 << 20;
 
 /// Adds `more` to `sum`, saturating.
 template <int Dim>

@@ -13,14 +13,17 @@ void SettledRegion<Dim>::reset(const BlockBox<Dim>& box) {
 
 template <int Dim>
 void SettledRegion<Dim>::build(const Cell<Dim>& sensor, WalkState<Dim>& state,
-                               const SaturationSource<Dim>* map, Horizon<Dim>& horizon) {
+                               const SaturationSource<Dim>* map, Horizon<Dim>& horizon,
+                               std::uint64_t mostWork) {
     state_ = &state;
     map_ = map;
     horizon_ = &horizon;
     ++build_;
     work_ = 0;
+    mostWork_ = mostWork;
     queue_.clear();
     visited_.clear();
+    horizon.clear();
     const std::uint32_t first = blockAt(blockOf<Dim>(sensor));
     enter(blocks_[first]);
     const int at = indexInBlock<Dim>(sensor);
@@ -28,7 +31,6 @@ void SettledRegion<Dim>::build(const Cell<Dim>& sensor, WalkState<Dim>& state,
         horizon.openAll();
         return;
     }
-    horizon.clear();
     blocks_[first].reached.set(at);
     queue_.push_back(first);
     for (std::size_t i = 0; i < queue_.size(); ++i) spread(queue_[i]);
@@ -54,13 +56,10 @@ std::uint32_t SettledRegion<Dim>::blockAt(const BlockKey<Dim>& key) {
 template <int Dim>
 bool SettledRegion<Dim>::enter(Block& block) {
     if (block.build == build_) return block.relevant;
-    Cell<Dim> highest;
-    const Cell<Dim> lowest = cellInBlock<Dim>(block.key, 0);
-    for (int a = 0; a < Dim; ++a) highest[a] = lowest[a] + kBlockEdge - 1;
-    if (block.build == 0) block.relevant = horizon_->reaches(lowest, highest);
+    block.relevant = horizon_->reaches(block.key);
     block.build = build_;
     block.queued = false;
-    block.reached = block.open = {};
+    block.reached = block.open = block.noted = {};
     if (!block.relevant) return false;
     findSettled(block);
     visited_.push_back(static_cast<std::uint32_t>(&block - blocks_.data()));
@@ -95,6 +94,7 @@ void SettledRegion<Dim>::spread(std::uint32_t number) {
         Block& block = blocks_[number];
         fill<Dim>(block.reached, block.settled);
         work_ += 40;
+        note(block);
     }
     // pass() may make blocks, which moves them all.
     const BlockMask<Dim> reached = blocks_[number].reached;
@@ -114,6 +114,11 @@ template <int Dim>
 void SettledRegion<Dim>::pass(const BlockKey<Dim>& to, const BlockMask<Dim>& cells) {
     const std::uint32_t number = blockAt(to);
     Block& block = blocks_[number];
+    if (work_ > mostWork_ && block.build != build_) {
+        // Whatever is settled there, the region ends here.
+        if (horizon_->reaches(to)) horizon_->open(to, cells);
+        return;
+    }
     if (!enter(block)) return;
     std::uint64_t fresh = 0;
     for (int w = 0; w < BlockMask<Dim>::kWords; ++w) {
@@ -127,18 +132,19 @@ void SettledRegion<Dim>::pass(const BlockKey<Dim>& to, const BlockMask<Dim>& cel
     queue_.push_back(number);
 }
 
-/// Notes the open cells of a block.
+/// Notes the open cells of a block that are not noted yet.
 template <int Dim>
-void SettledRegion<Dim>::note(const Block& block) {
+void SettledRegion<Dim>::note(Block& block) {
     const BlockMask<Dim> beside = dilated<Dim>(block.reached);
+    BlockMask<Dim> fresh;
     for (int w = 0; w < BlockMask<Dim>::kWords; ++w) {
-        std::uint64_t open =
-            block.open.words[w] | (beside.words[w] & ~block.settled.words[w]);
-        for (; open != 0; open &= open - 1) {
-            horizon_->open(cellInBlock<Dim>(block.key, 64 * w + __builtin_ctzll(open)));
-            work_ += 20;
-        }
+        fresh.words[w] = (block.open.words[w] | (beside.words[w] & ~block.settled.words[w])) &
+                         ~block.noted.words[w];
+        block.noted.words[w] |= fresh.words[w];
     }
+    if (!fresh.any()) return;
+    horizon_->open(block.key, fresh);
+    work_ += 8 * static_cast<std::uint64_t>(fresh.count()) + 100;
 }
 
 template class SettledRegion<2>;

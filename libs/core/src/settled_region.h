@@ -24,10 +24,14 @@ class SettledRegion {
     /// Begins a scan (or a part of one).
     void reset(const BlockBox<Dim>& box);
 
-    /// Finds the region, and notes in the horizon the open cells that rays reach.
+    /// Finds the region, nearest blocks first, and notes in the horizon the open
+    /// cells beside it that rays reach.
     /// \param map may be nullptr
+    /// \param mostWork where about so much work is done, the region ends: the cells
+    ///        beside it are noted as if they were open
     void build(const Cell<Dim>& sensor, WalkState<Dim>& state,
-               const SaturationSource<Dim>* map, Horizon<Dim>& horizon);
+               const SaturationSource<Dim>* map, Horizon<Dim>& horizon,
+               std::uint64_t mostWork);
 
     /// Work of the last build(), about as many times as long as visiting a cell
     /// of a ray.
@@ -37,6 +41,7 @@ class SettledRegion {
     struct Block {
         BlockKey<Dim> key;
         BlockMask<Dim> settled, reached, open;
+        BlockMask<Dim> noted;  // of `open`, in the horizon
         BlockMask<Dim> saturated;  // by the map; once known
         std::uint32_t build = 0;   // the last one that came here
         bool queued = false, relevant = false, knowsMap = false;
@@ -47,13 +52,13 @@ class SettledRegion {
     void findSettled(Block& block);
     void spread(std::uint32_t number);
     void pass(const BlockKey<Dim>& to, const BlockMask<Dim>& cells);
-    void note(const Block& block);
+    void note(Block& block);
 
     BlockDirectory<Dim> directory_;  // block -> 1 + number
     std::vector<Block> blocks_;
     std::vector<std::uint32_t> queue_, visited_;
     std::uint32_t build_ = 0;
-    std::uint64_t work_ = 0;
+    std::uint64_t work_ = 0, mostWork_ = 0;
     WalkState<Dim>* state_ = nullptr;
     const SaturationSource<Dim>* map_ = nullptr;
     Horizon<Dim>* horizon_ = nullptr;
