@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 namespace superray {
@@ -21,12 +22,11 @@ constexpr std::uint32_t kNoLayer = ~std::uint32_t{0};
 
 /// A block that is not uniform. Layers without known cells take no memory.
 template <int Dim>
-struct Payload {
+struct alignas(64) Payload {
     static constexpr int kLayers = BlockMask<Dim>::kWords;
     Payload() { layers.fill(kNoLayer); }
+    BlockMask<Dim> saturated;  // known cells at the lower clamp; asked for most
     BlockMask<Dim> known;
-    BlockMask<Dim> saturated;  // known cells at the lower clamp
-    bool wasHit = false;       // a cell may have, or have had, log-odds above 0
     std::array<std::uint32_t, kLayers> layers;
 };
 
@@ -56,8 +56,9 @@ constexpr std::uint32_t kUniform = ~std::uint32_t{0};
 /// A block is uniform (all cells known, one value) or has a payload.
 struct Block {
     std::uint32_t payload = kUniform;
-    float uniform = 0;
+    float highest = 0;  ///< the one value; else no cell has log-odds above it
 };
+constexpr float kAnyLogOdds = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
@@ -100,11 +101,10 @@ struct BlockGrid<Dim>::Impl {
             Payload<Dim>& p = payloads[fresh] = Payload<Dim>{};
             for (auto& layer : p.layers) {
                 layer = layers.allocate();
-                layers[layer].values.fill(block.uniform);
+                layers[layer].values.fill(block.highest);
             }
             p.known = fullMask<Dim>();
-            if (clamp.isAt(block.uniform)) p.saturated = p.known;
-            p.wasHit = block.uniform > 0;
+            if (clamp.isAt(block.highest)) p.saturated = p.known;
             block.payload = fresh;
         }
         return payloads[block.payload];
@@ -130,7 +130,7 @@ struct BlockGrid<Dim>::Impl {
                std::array<float, kBlockCells<Dim>>& values,
                const typename OccupancyMap<Dim>::BlockVisitor& visitor) const {
         if (block.payload == kUniform) {
-            values.fill(block.uniform);
+            values.fill(block.highest);
             visitor({key, values.data(), fullMask<Dim>()});
             return;
         }
@@ -157,11 +157,11 @@ struct BlockGrid<Dim>::Impl {
         p.payload = nullptr;
         if (!p.touched.any()) return;
         Block* block = find(key);
-        if (block && block->payload == kUniform && clamp.isAt(block->uniform) && !hit)
+        if (block && block->payload == kUniform && clamp.isAt(block->highest) && !hit)
             return;  // saturated free: misses change nothing
         if (!block) block = &add(key);
         Payload<Dim>& payload = expand(*block);
-        payload.wasHit |= hit;
+        if (hit) block->highest = kAnyLogOdds;
         p.payload = &payload;
         p.fresh = 0;
         for (int z = 0; z < Payload<Dim>::kLayers; ++z) {
@@ -180,7 +180,7 @@ struct BlockGrid<Dim>::Impl {
     void collapse(Block& block) {
         const Payload<Dim>& p = payloads[block.payload];
         if (!isUniform(p)) return;
-        block.uniform = value(p, 0);
+        block.highest = value(p, 0);
         for (const std::uint32_t layer : p.layers) layers.release(layer);
         payloads.release(block.payload);
         block.payload = kUniform;
@@ -200,10 +200,11 @@ struct BlockGrid<Dim>::Impl {
         clamp.use(lowerClamp, [&] { rebuildSaturation(lowerClamp); });
     }
 
-    void set(Payload<Dim>& p, int index, float newValue) {
+    void set(Block& block, int index, float newValue) {
+        Payload<Dim>& p = expand(block);
         layer(p, index >> 6)[index & 63] = newValue;
         p.known.set(index);
-        p.wasHit |= newValue > 0;
+        block.highest = std::max(block.highest, newValue);
         if (clamp.isAt(newValue))
             p.saturated.set(index);
         else
@@ -299,7 +300,7 @@ template <int Dim>
 std::optional<float> BlockGrid<Dim>::logOdds(const Cell<Dim>& cell) const {
     const Block* block = impl_->find(blockOf<Dim>(cell));
     if (!block) return std::nullopt;
-    if (block->payload == kUniform) return block->uniform;
+    if (block->payload == kUniform) return block->highest;
     const Payload<Dim>& p = impl_->payloads[block->payload];
     const int i = indexInBlock<Dim>(cell);
     if (!p.known.test(i)) return std::nullopt;
@@ -311,8 +312,8 @@ void BlockGrid<Dim>::setLogOdds(const Cell<Dim>& cell, float value) {
     requireAddressableCell<Dim>(cell);
     value = storedValue(value);
     Block& block = impl_->findOrAdd(blockOf<Dim>(cell));
-    if (block.payload == kUniform && block.uniform == value) return;
-    impl_->set(impl_->expand(block), indexInBlock<Dim>(cell), value);
+    if (block.payload == kUniform && block.highest == value) return;
+    impl_->set(block, indexInBlock<Dim>(cell), value);
     impl_->collapse(block);
 }
 
@@ -324,9 +325,8 @@ void BlockGrid<Dim>::setBlock(const BlockView<Dim>& view) {
         if (view.known.test(i)) values[i] = storedValue(view.values[i]);
     if (!view.known.any()) return;
     Block& block = impl_->findOrAdd(view.key);
-    Payload<Dim>& p = impl_->expand(block);
     for (int i = 0; i < kBlockCells<Dim>; ++i)
-        if (view.known.test(i)) impl_->set(p, i, values[i]);
+        if (view.known.test(i)) impl_->set(block, i, values[i]);
     impl_->collapse(block);
 }
 
@@ -372,14 +372,14 @@ BlockSaturation<Dim> BlockGrid<Dim>::saturation(const BlockKey<Dim>& key,
     const Block* block = impl_->find(key);
     if (!block) return result;
     if (block->payload == kUniform) {
-        if (block->uniform == lowerClamp) result.saturatedFree = fullMask<Dim>();
-        result.mayExceedUnknown = block->uniform > 0;
+        if (block->highest == lowerClamp) result.saturatedFree = fullMask<Dim>();
+        result.mayExceedUnknown = block->highest > 0;
         return result;
     }
     impl_->useClamp(lowerClamp);
     const Payload<Dim>& payload = impl_->payloads[block->payload];
     result.saturatedFree = payload.saturated;
-    result.mayExceedUnknown = payload.wasHit;
+    result.mayExceedUnknown = block->highest > 0;
     return result;
 }
 
