@@ -206,9 +206,9 @@ void HorizonWalk<Dim>::addHits(std::size_t first, std::size_t last) {
             hits = state_->batch.hitsOf(own);
             misses = state_->batch.missesOf(own);
         }
-        const unsigned h = hits[local] + (hits[local] != UpdateBatch<Dim>::kMaxCount);
-        hits[local] = static_cast<std::uint8_t>(h);
-        if (state_->sureHit(h)) misses[local] = UpdateBatch<Dim>::kMaxCount;
+        // More change nothing, and need not wait for the last store.
+        if (state_->sureHit(hits[local])) continue;
+        if (state_->sureHit(++hits[local])) misses[local] = UpdateBatch<Dim>::kMaxCount;
     }
 }
 

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "point_kernels.h"
+
 namespace superray {
 
 void RangeLimits::validate() const {
@@ -59,6 +61,45 @@ template <int Dim>
 void RayBundle<Dim>::reserve(std::size_t n) {
     for (Coordinates& c : ends_) c.reserve(n);
     kinds_.reserve(n);
+}
+
+template <int Dim>
+template <typename Scalar>
+void RayBundle<Dim>::addPoints(const Scalar* ends, std::size_t count) {
+    static const CopyPoints<Dim, Scalar> copyPoints = bestPointKernels<Dim>().copy(Scalar{});
+    // Where all points of a batch are good, which is the rule, they are copied as
+    // they are; else they are taken one by one.
+    constexpr std::size_t kBatch = 256;
+    reserve(size() + count);
+    for (std::size_t first = 0; first < count; first += kBatch) {
+        const std::size_t n = std::min(kBatch, count - first);
+        const Scalar* const batch = ends + first * Dim;
+        PointBatch<Dim> to;
+        for (int a = 0; a < Dim; ++a) to.coordinates[a] = ends_[a].end();
+        to.lowest = lowest_;
+        to.highest = highest_;
+        if (unlimited_ && origins_.empty() && copyPoints(batch, n, geometry_.scaled(1.0), to)) {
+            for (Coordinates& c : ends_) c.grow(n);
+            kinds_.resize(kinds_.size() + n, RayEnd::hit);
+            lowest_ = to.lowest;
+            highest_ = to.highest;
+            continue;
+        }
+        for (std::size_t i = 0; i < n; ++i) {
+            Point<Dim> p;
+            for (int a = 0; a < Dim; ++a) p[a] = static_cast<double>(batch[i * Dim + a]);
+            add(p);
+        }
+    }
+}
+
+template <int Dim>
+void RayBundle<Dim>::addReturns(const float* ends, std::size_t count) {
+    addPoints(ends, count);
+}
+template <int Dim>
+void RayBundle<Dim>::addReturns(const double* ends, std::size_t count) {
+    addPoints(ends, count);
 }
 
 template <int Dim>

@@ -1,5 +1,7 @@
 #include "walk_kernel.h"
 
+#include "point_kernels.h"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 
@@ -135,6 +137,8 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 //
 #include "find_ends.inc"
 //
+#include "copy_points.inc"
+//
 #include "at_least.inc"
 
 namespace superray {
@@ -144,8 +148,15 @@ WalkKernels<Dim> avx2Kernels() {
     return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, findEnds<Dim>, atLeast<Dim>};
 }
 
+template <int Dim>
+PointKernels<Dim> avx2PointKernels() {
+    return {copyPoints<Dim, float>, copyPoints<Dim, double>};
+}
+
 template WalkKernels<2> avx2Kernels();
 template WalkKernels<3> avx2Kernels();
+template PointKernels<2> avx2PointKernels();
+template PointKernels<3> avx2PointKernels();
 
 }  // namespace superray
 #endif

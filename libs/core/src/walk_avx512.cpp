@@ -1,5 +1,7 @@
 #include "walk_kernel.h"
 
+#include "point_kernels.h"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 
@@ -111,6 +113,8 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 //
 #include "find_ends.inc"
 //
+#include "copy_points.inc"
+//
 #include "at_least.inc"
 
 namespace superray {
@@ -120,8 +124,15 @@ WalkKernels<Dim> avx512Kernels() {
     return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, findEnds<Dim>, atLeast<Dim>};
 }
 
+template <int Dim>
+PointKernels<Dim> avx512PointKernels() {
+    return {copyPoints<Dim, float>, copyPoints<Dim, double>};
+}
+
 template WalkKernels<2> avx512Kernels();
 template WalkKernels<3> avx512Kernels();
+template PointKernels<2> avx512PointKernels();
+template PointKernels<3> avx512PointKernels();
 
 }  // namespace superray
 #endif

@@ -1,25 +1,60 @@
-#include "walk_kernel.h"
-
 #include <cstdlib>
 #include <string>
 
-namespace superray {
+#include "point_kernels.h"
+#include "walk_kernel.h"
 
-template <int Dim>
-WalkKernels<Dim> bestKernels() {
+namespace superray {
+namespace {
+
+enum class InstructionSet { portable, avx2, avx512 };
+
+InstructionSet bestInstructionSet() {
 #if defined(__x86_64__)
     const char* asked = std::getenv("SUPERRAY_INSTRUCTION_SET");
     const std::string limit = asked != nullptr ? asked : "";
-    if (limit == "portable") return portableKernels<Dim>();
+    if (limit == "portable") return InstructionSet::portable;
     if (limit != "avx2" && __builtin_cpu_supports("avx512f") &&
         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
-        return avx512Kernels<Dim>();
-    if (__builtin_cpu_supports("avx2")) return avx2Kernels<Dim>();
+        return InstructionSet::avx512;
+    if (__builtin_cpu_supports("avx2")) return InstructionSet::avx2;
 #endif
-    return portableKernels<Dim>();
+    return InstructionSet::portable;
+}
+
+}  // namespace
+
+template <int Dim>
+WalkKernels<Dim> bestKernels() {
+    switch (bestInstructionSet()) {
+#if defined(__x86_64__)
+        case InstructionSet::avx512:
+            return avx512Kernels<Dim>();
+        case InstructionSet::avx2:
+            return avx2Kernels<Dim>();
+#endif
+        default:
+            return portableKernels<Dim>();
+    }
+}
+
+template <int Dim>
+PointKernels<Dim> bestPointKernels() {
+    switch (bestInstructionSet()) {
+#if defined(__x86_64__)
+        case InstructionSet::avx512:
+            return avx512PointKernels<Dim>();
+        case InstructionSet::avx2:
+            return avx2PointKernels<Dim>();
+#endif
+        default:
+            return portablePointKernels<Dim>();
+    }
 }
 
 template WalkKernels<2> bestKernels();
 template WalkKernels<3> bestKernels();
+template PointKernels<2> bestPointKernels();
+template PointKernels<3> bestPointKernels();
 
 }  // namespace superray

@@ -1,11 +1,15 @@
 #include "walk_kernel.h"
 
+#include "point_kernels.h"
+
 #include <cstring>
 
 #define SUPERRAY_TARGET
 #include "find_directions.inc"
 //
 #include "find_ends.inc"
+//
+#include "copy_points.inc"
 
 namespace superray {
 
@@ -57,9 +61,16 @@ WalkKernels<Dim> portableKernels() {
     return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, findEnds<Dim>, atLeast<Dim>};
 }
 
+template <int Dim>
+PointKernels<Dim> portablePointKernels() {
+    return {copyPoints<Dim, float>, copyPoints<Dim, double>};
+}
+
 template void walkPortable(WalkState<2>&, const RayLine<2>&, std::int32_t, std::int32_t);
 template void walkPortable(WalkState<3>&, const RayLine<3>&, std::int32_t, std::int32_t);
 template WalkKernels<2> portableKernels();
 template WalkKernels<3> portableKernels();
+template PointKernels<2> portablePointKernels();
+template PointKernels<3> portablePointKernels();
 
 }  // namespace superray

@@ -133,11 +133,26 @@ RayBundle<Dim> toRays(const SensorReturns& returns, const mrpt::poses::CPose3D& 
     const Transform T_map_sensor(T_map_robot + returns.sensorOnRobot);
     RayBundle<Dim> rays(geometry, T_map_sensor.t.template head<Dim>(), options.rangeLimits());
     rays.reserve(returns.hits.size() + returns.noReturns.size());
+    // Returns are handed over in batches, in order.
+    constexpr std::size_t kBatch = 256;
+    std::vector<Point<Dim>> batch;
+    batch.reserve(kBatch);
+    const auto handOver = [&] {
+        if (!batch.empty()) rays.addReturns(batch.data()->data(), batch.size());
+        batch.clear();
+    };
     forEachRay(
         returns, options, report, [&](float) { return &T_map_sensor; },
         [&](const Eigen::Vector3d& p_map, RayEnd kind, const Transform&) {
-            rays.add(p_map.template head<Dim>(), kind);
+            if (kind == RayEnd::hit) {
+                batch.push_back(p_map.template head<Dim>());
+                if (batch.size() == kBatch) handOver();
+            } else {
+                handOver();
+                rays.add(p_map.template head<Dim>(), kind);
+            }
         });
+    handOver();
     report.skipped += rays.skipped();
     return rays;
 }

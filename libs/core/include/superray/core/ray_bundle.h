@@ -62,6 +62,10 @@ class Coordinates {
     bool full() const { return size_ == capacity_; }
     /// \pre !full()
     void push(double v) { values_[size_++] = v; }
+    /// Where the next values go, for whoever fills in many. \pre room is reserved
+    double* end() { return values_.get() + size_; }
+    /// \pre that many values were filled in
+    void grow(std::size_t n) { size_ += n; }
     void clear() { size_ = 0; }
 
  private:
@@ -93,6 +97,11 @@ class RayBundle {
             addRay(origin_, end, kind);
     }
 
+    /// Adds returns, in order: as add(end) for each, but many times faster.
+    /// \param ends coordinates of `count` end points [m, map frame], point by point
+    void addReturns(const float* ends, std::size_t count);
+    void addReturns(const double* ends, std::size_t count);
+
     /// Adds a ray with its own origin [m, map frame].
     void add(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind);
 
@@ -123,6 +132,8 @@ class RayBundle {
 
  private:
     void addRay(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind);
+    template <typename Scalar>
+    void addPoints(const Scalar* ends, std::size_t count);
     void push(const Point<Dim>& end, RayEnd kind) {
         if (ends_[0].full()) reserve(2 * size() + 1024);
         for (int a = 0; a < Dim; ++a) ends_[a].push(end[a]);
