@@ -1,50 +1,11 @@
 // The octree is, node by node, the tree that OctoMap would have built.
 
-#include "storage/storage_test_tools.h"
+#include "storage/octree_test_tools.h"
 
-#include <octomap/OcTree.h>
+#include <limits>
 
 namespace superray::test {
 namespace {
-
-octomap::OcTreeKey keyOf(const Cell<3>& c) {
-    const auto k = [](std::int32_t v) {
-        return static_cast<octomap::key_type>(v + kCellLimit);
-    };
-    return {k(c[0]), k(c[1]), k(c[2])};
-}
-
-/// OctoMap's own tree with these cells, set one by one (it prunes as it goes).
-std::unique_ptr<octomap::OcTree> octomapTree(const Cells<3>& cells, double resolution) {
-    auto tree = std::make_unique<octomap::OcTree>(resolution);
-    for (const auto& [cell, value] : cells) tree->setNodeValue(keyOf(cell), value);
-    tree->updateInnerOccupancy();
-    tree->prune();
-    return tree;
-}
-
-/// Same nodes at the same depths with the same bits, leaves and inner nodes.
-::testing::AssertionResult sameNodes(const octomap::OcTree& ours,
-                                     const octomap::OcTree& theirs) {
-    if (ours.size() != theirs.size())
-        return ::testing::AssertionFailure()
-               << "size() " << ours.size() << ", OctoMap " << theirs.size();
-    if (ours.calcNumNodes() != ours.size())
-        return ::testing::AssertionFailure() << "size() is not the number of nodes";
-    auto a = ours.begin_tree(), b = theirs.begin_tree();
-    for (; a != ours.end_tree() && b != theirs.end_tree(); ++a, ++b) {
-        if (a.getDepth() != b.getDepth() || a.getKey() != b.getKey() ||
-            a.isLeaf() != b.isLeaf())
-            return ::testing::AssertionFailure() << "different structure";
-        if (bitsOf(a->getLogOdds()) != bitsOf(b->getLogOdds()))
-            return ::testing::AssertionFailure()
-                   << "value " << a->getLogOdds() << ", OctoMap " << b->getLogOdds()
-                   << " at depth " << a.getDepth();
-    }
-    if ((a != ours.end_tree()) || (b != theirs.end_tree()))
-        return ::testing::AssertionFailure() << "different number of nodes visited";
-    return ::testing::AssertionSuccess();
-}
 
 class OctreeAgainstOctomap : public ::testing::Test {
  protected:
@@ -129,6 +90,23 @@ TEST_F(OctreeAgainstOctomap, SetLogOddsAndSetBlock) {
         map.setBlock(view);
     }
     EXPECT_TRUE(sameAsOctomap());
+}
+
+TEST_F(OctreeAgainstOctomap, LowestFloatIsAValueAndNotAnAbsentNode) {
+    const float lowest = std::numeric_limits<float>::lowest();
+    for (int missing = 0; missing < 8; ++missing)
+        for (int i = 0; i < 8; ++i) {
+            if (i == missing) continue;
+            const Cell<3> cell{2 * missing + (i & 1), i >> 1 & 1, i >> 2};
+            map.setLogOdds(cell, lowest);
+            oracle[cell] = lowest;
+        }
+    EXPECT_EQ(oracle.size(), 56u);
+    EXPECT_TRUE(equalsOracle<3>(map, oracle));  // OctoMap would clamp such a value
+    UpdateBatch<3> misses;
+    misses.missesOf(misses.addBlock({}))[9] = 1;
+    apply(misses);
+    EXPECT_TRUE(equalsOracle<3>(map, oracle));
 }
 
 // OctoMap's own update: one miss or hit per cell and scan, by updateNode().

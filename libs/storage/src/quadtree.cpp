@@ -15,50 +15,83 @@ class QuadNodes {
     using Node = std::uint32_t;  // 4 * family + number in the family
     static constexpr Node kNull = kNone;
 
-    Node root() const { return root_; }
-    Node createRoot() {
-        root_ = 4 * newFamily();  // its siblings are never used
-        setValue(root_, 0);
-        return root_;
-    }
+    static constexpr bool kParallel = false;  // one pool for all
 
+    Node root() const { return root_; }
+    void setRoot(Node n) { root_ = n; }
     Node child(Node n, int i) const {
         if (!hasChildren(n)) return kNull;
         const Node c = at(n).children * 4 + static_cast<Node>(i);
         return at(c).exists() ? c : kNull;
     }
-    Node createChild(Node n, int i) {
-        if (!hasChildren(n)) {
-            const std::uint32_t family = newFamily();
-            at(n).children = family;
-        }
-        const Node c = at(n).children * 4 + static_cast<Node>(i);
-        at(c).value = 0;
-        return c;
-    }
     bool hasChildren(Node n) const { return at(n).children != kNone; }
     float value(Node n) const { return at(n).value; }
-    void setValue(Node n, float v) { at(n).value = v; }
-
-    void expand(Node n) {
-        const float v = value(n);
-        for (int i = 0; i < 4; ++i) setValue(createChild(n, i), v);
-    }
-
-    void settle(Node n) {
+    std::uint8_t readChildren(Node n, unsigned which, float* values) const {
         const Family& family = families_[at(n).children];
-        bool same = true;
-        float highest = std::numeric_limits<float>::lowest();
-        for (const Record& child : family.nodes) {
-            same = same && child.value == family.nodes[0].value && child.children == kNone;
-            if (child.exists()) highest = std::max(highest, child.value);
+        unsigned had = 0;
+        for (unsigned i = 0; i < 4; ++i) {
+            const Record& c = family.nodes[i];
+            values[i] = c.exists() ? c.value : which >> i & 1 ? 0 : kAbsent;
+            had |= static_cast<unsigned>(c.exists()) << i;
         }
-        if (same) {
-            families_.release(at(n).children);
-            at(n).children = kNone;
-        }
-        at(n).value = highest;
+        return static_cast<std::uint8_t>(had);
     }
+    void prefetchFamily(Node n) const {
+        if (hasChildren(n)) __builtin_prefetch(&at(at(n).children * 4));
+    }
+    static void prefetchChildren(Node) {}  // they are the family
+
+    class Editor {
+     public:
+        explicit Editor(QuadNodes& nodes) : nodes_(nodes) {}
+
+        void reserve() {}
+        void setValue(Node n, float v) { nodes_.at(n).value = v; }
+        Node create() {
+            const Node n = 4 * nodes_.newFamily();  // its siblings are never used
+            setValue(n, 0);
+            return n;
+        }
+        void setChildren(Node n, const float* values) {
+            Family& family = nodes_.families_[nodes_.at(n).children];
+            for (unsigned i = 0; i < 4; ++i)
+                if (family.nodes[i].exists()) family.nodes[i].value = values[i];
+        }
+        void createChildren(Node n, unsigned which, const float* values) {
+            const std::uint32_t family = familyOf(n);
+            for (unsigned i = 0; i < 4; ++i)
+                if (which >> i & 1) setValue(4 * family + i, values[i]);
+        }
+        void createChildren(Node n, unsigned which, float value) {
+            const float values[4] = {value, value, value, value};
+            createChildren(n, which, values);
+        }
+        void removeChildren(Node n) {
+            nodes_.families_.release(nodes_.at(n).children);
+            nodes_.at(n).children = kNone;
+        }
+        void settle(Node n) {
+            const Family& family = nodes_.families_[nodes_.at(n).children];
+            bool same = true;
+            float highest = std::numeric_limits<float>::lowest();
+            for (const Record& child : family.nodes) {
+                same = same && child.value == family.nodes[0].value && child.children == kNone;
+                if (child.exists()) highest = std::max(highest, child.value);
+            }
+            if (same) removeChildren(n);
+            setValue(n, highest);
+        }
+
+     private:
+        std::uint32_t familyOf(Node n) {
+            if (!nodes_.hasChildren(n)) {
+                const std::uint32_t family = nodes_.newFamily();
+                nodes_.at(n).children = family;
+            }
+            return nodes_.at(n).children;
+        }
+        QuadNodes& nodes_;
+    };
 
     std::size_t memoryBytes() const { return families_.memoryBytes(); }
     void clear() {
@@ -116,8 +149,8 @@ void Quadtree::swapContents(OccupancyMap<2>& other) {
 }
 
 void Quadtree::apply(const UpdateBatch<2>& batch, const SensorModel& model, UpdatePolicy policy,
-                     unsigned /*threads*/) {
-    impl_->apply(batch, model, policy);
+                     unsigned threads) {
+    impl_->apply(batch, model, policy, threads);
 }
 
 std::optional<float> Quadtree::logOdds(const Cell<2>& cell) const {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace superray {
@@ -18,26 +19,34 @@ namespace superray {
 template <int Dim>
 class SaturationCache {
  public:
-    /// nullptr: not kept. Valid until the next put()
-    const BlockSaturation<Dim>* find(const BlockKey<Dim>& key, float lowerClamp) const {
-        if (lowerClamp != clamp_) return nullptr;
-        const BlockSaturation<Dim>* const found = young_.find(key);
-        return found != nullptr ? found : old_.find(key);
+    /// nothing: not kept
+    std::optional<BlockSaturation<Dim>> find(const BlockKey<Dim>& key, float lowerClamp) const {
+        if (lowerClamp != clamp_) return std::nullopt;
+        if (const auto found = young_.find(key)) return found;
+        return old_.find(key);
     }
 
-    /// \param room entries of a generation, at least
-    void use(float lowerClamp, std::size_t room) {
+    /// Before the blocks of a scan are written. Until all entries that it asks
+    /// for are put, nothing is kept for good: clear() if that fails.
+    void startScan(float lowerClamp, std::size_t blocks) {
         if (lowerClamp != clamp_) clear();
         clamp_ = lowerClamp;
-        room_ = std::max(room, kLeastRoom);
+        // Two scans a generation.
+        const std::size_t room = std::max(2 * blocks, kLeastRoom);
+        if (young_.entries.size() + blocks <= room) return;
+        std::swap(young_, old_);
+        young_.clear();
     }
-    /// \pre use() was called
-    void put(const BlockKey<Dim>& key, const BlockSaturation<Dim>& saturation) {
-        if (young_.entries.size() >= room_) {
-            std::swap(young_, old_);
-            young_.clear();
-        }
-        young_.put(key, saturation);
+    /// The entry of a block, for get() and put(), which several threads may
+    /// call for different entries. \pre startScan()
+    std::uint32_t entryOf(const BlockKey<Dim>& key) { return young_.entryOf(key); }
+    std::optional<BlockSaturation<Dim>> get(const BlockKey<Dim>& key,
+                                            std::uint32_t entry) const {
+        const Entry& e = young_.entries[entry];
+        return e.known ? e.saturation() : old_.find(key);
+    }
+    void put(std::uint32_t entry, const BlockSaturation<Dim>& s) {
+        young_.entries[entry] = {s.saturatedFree, s.mayExceedUnknown, true};
     }
     float clamp() const { return clamp_; }
 
@@ -50,21 +59,27 @@ class SaturationCache {
  private:
     static constexpr std::size_t kLeastRoom = 1024;
 
+    struct Entry {
+        BlockMask<Dim> saturatedFree;
+        bool mayExceedUnknown = false;
+        bool known = false;
+        BlockSaturation<Dim> saturation() const { return {saturatedFree, mayExceedUnknown}; }
+    };
     struct Generation {
         BlockTable<Dim> table;
-        std::vector<BlockSaturation<Dim>> entries;
+        std::vector<Entry> entries;
 
-        const BlockSaturation<Dim>* find(const BlockKey<Dim>& key) const {
+        std::optional<BlockSaturation<Dim>> find(const BlockKey<Dim>& key) const {
             const std::uint32_t slot = table.find(key);
-            return slot == BlockTable<Dim>::kNone ? nullptr : &entries[slot];
+            if (slot == BlockTable<Dim>::kNone || !entries[slot].known) return std::nullopt;
+            return entries[slot].saturation();
         }
-        void put(const BlockKey<Dim>& key, const BlockSaturation<Dim>& saturation) {
+        std::uint32_t entryOf(const BlockKey<Dim>& key) {
             const auto next = static_cast<std::uint32_t>(entries.size());
+            entries.emplace_back();
             const std::uint32_t slot = table.findOrInsert(key, next);
-            if (slot == next)
-                entries.push_back(saturation);
-            else
-                entries[slot] = saturation;
+            if (slot != next) entries.pop_back();
+            return slot;
         }
         void clear() {
             table.clear();
@@ -74,7 +89,6 @@ class SaturationCache {
 
     Generation young_, old_;
     float clamp_ = std::numeric_limits<float>::quiet_NaN();
-    std::size_t room_ = kLeastRoom;
 };
 
 }  // namespace superray

@@ -2,16 +2,16 @@
 /// \file tree_storage.h
 /// All that Octree and Quadtree do, over the nodes of either.
 
-#include "fold_layers.h"
 #include "saturation_cache.h"
 #include "saturation_clamp.h"
+#include "tree_apply.h"
+#include "tree_read.h"
 #include "tree_update.h"
 #include "value_rules.h"
 
 #include <superray/storage/occupancy_map.h>
 
-#include <algorithm>
-#include <utility>
+#include <vector>
 
 namespace superray {
 
@@ -27,20 +27,10 @@ class TreeStorage {
     Nodes nodes;
     SaturationCache<Dim> cache;
 
-    void apply(const UpdateBatch<Dim>& batch, const SensorModel& model, UpdatePolicy policy) {
+    void apply(const UpdateBatch<Dim>& batch, const SensorModel& model, UpdatePolicy policy,
+               unsigned threads) {
         for (std::size_t b = 0; b < batch.blockCount(); ++b)
             requireAddressableBlock<Dim>(batch.key(b));
-
-        cache.use(model.min(), 2 * batch.blockCount());
-
-        // In the order of the tree, so that neighbours share the way down.
-        std::vector<std::pair<std::uint64_t, std::size_t>> blocks(batch.blockCount());
-        for (std::size_t b = 0; b < blocks.size(); ++b)
-            blocks[b] = {mortonOf<Dim>(batch.key(b)), b};
-        std::sort(blocks.begin(), blocks.end());
-
-        const FoldVersion& fold = foldForThisCpu();
-        TreeWriter<Nodes> writer(nodes);
         // Whatever stops the update, nothing stale is kept.
         struct Guard {
             SaturationCache<Dim>& cache;
@@ -49,20 +39,7 @@ class TreeStorage {
                 if (!done) cache.clear();
             }
         } guard{cache};
-        for (const auto& [morton, b] : blocks) {
-            const std::uint8_t* misses = batch.misses(b);
-            const std::uint8_t* hits = batch.hits(b);
-            BlockMask<Dim> touched;
-            fold.touchedCells(BlockMask<Dim>::kWords, misses, hits, touched.words.data());
-            BlockSaturation<Dim> block = saturation(batch.key(b), model.min());
-            if (block.saturatedFree.all() && !hits) continue;  // misses change nothing
-            writer.updateBlock(
-                morton, touched, model.min(), block.saturatedFree, [&](int i, float value) {
-                    return model.updated(value, misses[i], hits ? hits[i] : 0u, policy);
-                });
-            block.mayExceedUnknown |= hits != nullptr;
-            cache.put(batch.key(b), block);
-        }
+        TreeApply<Nodes>(nodes, cache, blocks_, batch, model, policy).run(threads);
         guard.done = true;
     }
 
@@ -84,17 +61,18 @@ class TreeStorage {
         value = storedValue(value);
         BlockMask<Dim> touched;
         touched.set(indexInBlock<Dim>(cell));
-        write(blockOf<Dim>(cell), touched, [&](int, float) { return value; });
+        Values values;
+        values[static_cast<std::size_t>(indexInBlock<Dim>(cell))] = value;
+        write(blockOf<Dim>(cell), touched, values);
     }
 
     void setBlock(const BlockView<Dim>& view) {
         requireAddressableBlock<Dim>(view.key);
-        std::array<float, kBlockCells<Dim>> values;
+        Values values;
         for (int i = 0; i < kBlockCells<Dim>; ++i)
             if (view.known.test(i))
                 values[static_cast<std::size_t>(i)] = storedValue(view.values[i]);
-        write(view.key, view.known,
-              [&](int i, float) { return values[static_cast<std::size_t>(i)]; });
+        write(view.key, view.known, values);
     }
 
     void forEachBlock(const typename OccupancyMap<Dim>::BlockVisitor& visit) const {
@@ -112,24 +90,21 @@ class TreeStorage {
         if (node == Nodes::kNull) return false;
         Values values;
         BlockMask<Dim> known;
-        readNode<kBlockBits>(node, 0, values, known);
+        readNode<kBlockBits>(nodes, node, 0, values.data(), known);
         visit({key, values.data(), known});
         return true;
     }
 
     BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float lowerClamp) const {
-        if (const auto* kept = cache.find(key, lowerClamp)) return *kept;
-        BlockSaturation<Dim> result;
-        if (!isAddressable(key, kBlockLimit)) return result;
+        if (const auto kept = cache.find(key, lowerClamp)) return *kept;
+        if (!isAddressable(key, kBlockLimit)) return {};
         const std::uint64_t morton = mortonOf<Dim>(key);
         Node node = nodes.root();
         for (int depth = 0;
              node != Nodes::kNull && nodes.hasChildren(node) && depth < kBlockDepth; ++depth)
             node = nodes.child(node, childTowards<Dim>(morton, depth));
-        if (node == Nodes::kNull) return result;
-        markSaturated<kBlockBits>(node, 0, lowerClamp, result.saturatedFree);
-        result.mayExceedUnknown = nodes.value(node) > 0;  // inner nodes have the highest
-        return result;
+        if (node == Nodes::kNull) return {};
+        return saturationOfBlock(nodes, node, lowerClamp);
     }
 
  private:
@@ -141,27 +116,20 @@ class TreeStorage {
         return i;
     }
 
-    template <typename Update>
-    void write(const BlockKey<Dim>& key, const BlockMask<Dim>& touched, const Update& update) {
+    /// \param values of touched cells
+    void write(const BlockKey<Dim>& key, const BlockMask<Dim>& touched, const Values& values) {
+        if (!touched.any()) return;
         cache.clear();
-        TreeWriter<Nodes> writer(nodes);
-        BlockMask<Dim> unused;
-        writer.updateBlock(mortonOf<Dim>(key), touched, 0, unused, update);
-    }
-
-    template <int level>
-    void markSaturated(Node node, int offset, float lowerClamp, BlockMask<Dim>& mask) const {
-        if (!nodes.hasChildren(node)) {
-            if (nodes.value(node) != lowerClamp) return;
-            visitCube<Dim, level>(fullMask<Dim>(), offset, [&](int word, std::uint64_t bits) {
-                mask.words[static_cast<std::size_t>(word)] |= bits;
-            });
-        } else if constexpr (level > 0) {
-            for (int i = 0; i < 1 << Dim; ++i)
-                if (const Node child = nodes.child(node, i); child != Nodes::kNull)
-                    markSaturated<level - 1>(child, offset + childOffset<Dim>(i, level - 1),
-                                             lowerClamp, mask);
-        }
+        typename Nodes::Editor editor(nodes);
+        editor.reserve();
+        TreeWriter<Nodes> writer(nodes, editor);
+        const auto found = writer.enter(mortonOf<Dim>(key));
+        Values all;
+        writer.read(found, touched, all);
+        for (int i = 0; i < kBlockCells<Dim>; ++i)
+            if (touched.test(i))
+                all[static_cast<std::size_t>(i)] = values[static_cast<std::size_t>(i)];
+        writer.write(found, touched, all);
     }
 
     /// \param morton of the blocks below the node, its lower bits 0
@@ -175,7 +143,7 @@ class TreeStorage {
                 visit({blockOfMorton<Dim>(morton + b), values.data(), fullMask<Dim>()});
         } else if (depth == kBlockDepth) {
             BlockMask<Dim> known;
-            readNode<kBlockBits>(node, 0, values, known);
+            readNode<kBlockBits>(nodes, node, 0, values.data(), known);
             visit({blockOfMorton<Dim>(morton), values.data(), known});
         } else {
             for (int i = 0; i < 1 << Dim; ++i)
@@ -186,22 +154,7 @@ class TreeStorage {
         }
     }
 
-    template <int level>
-    void readNode(Node node, int offset, Values& values, BlockMask<Dim>& known) const {
-        if (!nodes.hasChildren(node)) {
-            visitCube<Dim, level>(fullMask<Dim>(), offset, [&](int word, std::uint64_t bits) {
-                known.words[static_cast<std::size_t>(word)] |= bits;
-                for (; bits; bits &= bits - 1)
-                    values[static_cast<std::size_t>(64 * word + __builtin_ctzll(bits))] =
-                        nodes.value(node);
-            });
-        } else if constexpr (level > 0) {
-            for (int i = 0; i < 1 << Dim; ++i)
-                if (const Node child = nodes.child(node, i); child != Nodes::kNull)
-                    readNode<level - 1>(child, offset + childOffset<Dim>(i, level - 1), values,
-                                        known);
-        }
-    }
+    std::vector<OrderedBlock> blocks_[2];  // scratch of apply()
 };
 
 }  // namespace superray

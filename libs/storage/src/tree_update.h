@@ -4,196 +4,296 @@
 ///
 /// The trees differ in how they keep nodes only. `Nodes` is
 ///   kDim, Node, kNull        dimension; handle of a node; the handle of none
-///   root(), createRoot()     kNull if the tree is empty
+///   kParallel                whether several editors may work at once
+///   root(), setRoot(n)       kNull if the tree is empty
 ///   child(n, i)              kNull if absent; bit a of i is the half of axis a
-///   createChild(n, i)
 ///   hasChildren(n)           a node without is a leaf, at any level
-///   value(n), setValue(n, v)
-///   expand(n)                gives a leaf all children, with its value
+///   value(n)
+///   readChildren(n, which, v)  values of the children, of which the bit set is
+///                            returned; of absent ones 0 if in `which`, else kAbsent
+///   prefetchFamily(n), prefetchChildren(n)  hints: what leads from a node to
+///                            its children will be needed, and the children
+/// and what a thread changes nodes with, `Nodes::Editor`:
+///   reserve()                so that nothing fails while a block is written
+///   setValue(n, v)
+///   create()                 a node without parent
+///   setChildren(n, v)        values of the children that exist
+///   createChildren(n, which, v)  of bit set `which`, none of which exists;
+///                            v: the value of all or an array of the values
+///   removeChildren(n)        which all are leaves
 ///   settle(n)                prunes n if all children are leaves of one value,
-///                            else sets it to their maximum, as OctoMap does
+///                            and sets it to their maximum, as OctoMap does
+/// If kParallel, also attach(n, i, child).
 
-#include <superray/core/block.h>
+#include "block_cubes.h"
+#include "block_order.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <limits>
 
 namespace superray {
 
-inline constexpr int kTreeDepth = 16;                        ///< root 0, cells 16
-inline constexpr int kBlockDepth = kTreeDepth - kBlockBits;  ///< nodes the size of a block
+/// Less than every value, which are finite: stands for nodes that do not exist.
+inline constexpr float kAbsent = -std::numeric_limits<float>::infinity();
 
-/// Interleaved bits of a block key: the order of the blocks in the tree, and
-/// the child numbers on the way from the root.
-template <int Dim>
-std::uint64_t mortonOf(const BlockKey<Dim>& key) {
-    std::uint64_t m = 0;
-    for (int bit = 0; bit < kBlockDepth; ++bit)
-        for (int a = 0; a < Dim; ++a) {
-            const auto k = static_cast<std::uint64_t>(key[a] + (1 << (kBlockDepth - 1)));
-            m |= ((k >> bit) & 1) << (Dim * bit + a);
-        }
-    return m;
-}
-
-template <int Dim>
-BlockKey<Dim> blockOfMorton(std::uint64_t morton) {
-    BlockKey<Dim> key{};
-    for (int a = 0; a < Dim; ++a) {
-        for (int bit = 0; bit < kBlockDepth; ++bit)
-            key[a] |= static_cast<std::int32_t>((morton >> (Dim * bit + a)) & 1) << bit;
-        key[a] -= 1 << (kBlockDepth - 1);
-    }
-    return key;
-}
-
-/// Child number on the way to a block, from a node at `depth`.
-template <int Dim>
-int childTowards(std::uint64_t morton, int depth) {
-    return static_cast<int>(morton >> (Dim * (kBlockDepth - 1 - depth))) & ((1 << Dim) - 1);
-}
-
-/// Cell index in the block of the first cell of child i, whose edge is 2^level.
-template <int Dim>
-constexpr int childOffset(int i, int level) {
-    int offset = 0;
-    for (int a = 0; a < Dim; ++a) offset |= ((i >> a) & 1) << (level + kBlockBits * a);
-    return offset;
-}
-
-/// The bits of `mask` in the cube of edge 2^level whose first cell is `offset`,
-/// word by word: visit(word number, bits).
-template <int Dim, int level, typename Visit>
-void visitCube(const BlockMask<Dim>& mask, int offset, Visit&& visit) {
-    constexpr std::uint64_t row = (1u << (1 << level)) - 1;
-    constexpr std::uint64_t rows = level == 0   ? row
-                                   : level == 1 ? row * 0x101
-                                   : level == 2 ? row * 0x1010101
-                                                : row * 0x101010101010101;
-    const int first = offset >> 6;
-    for (int w = first; w < first + (Dim == 3 ? 1 << level : 1); ++w)
-        visit(w, mask.words[static_cast<std::size_t>(w)] & (rows << (offset & 63)));
-}
-
-template <int Dim, int level>
-bool anyInCube(const BlockMask<Dim>& mask, int offset) {
-    std::uint64_t any = 0;
-    visitCube<Dim, level>(mask, offset, [&](int, std::uint64_t bits) { any |= bits; });
-    return any != 0;
-}
-
-/// One visit to a tree that changes cells of blocks. Blocks in the order of
-/// mortonOf() share the way from the root; inner nodes are brought up to date
-/// when the visit leaves them, at the latest on destruction.
+/// One visit to a tree, or to what is below one node, that changes cells of
+/// blocks. Blocks in the order of mortonOf() share the way from the root; inner
+/// nodes are brought up to date when the visit leaves them, at the latest by
+/// finish().
 template <typename Nodes>
 class TreeWriter {
  public:
     static constexpr int Dim = Nodes::kDim;
     using Node = typename Nodes::Node;
+    using Editor = typename Nodes::Editor;
+    using Values = std::array<float, kBlockCells<Dim>>;
 
-    explicit TreeWriter(Nodes& nodes) : nodes_(nodes) {}
-    ~TreeWriter() { leaveTo(-1); }
+    /// What a tree has where a block belongs.
+    enum class Found {
+        nothing,
+        leaf,  ///< as large as the block or larger: all cells have one value
+        inner
+    };
+
+    TreeWriter(Nodes& nodes, Editor& editor) : TreeWriter(nodes, editor, nodes.root(), 0) {}
+    /// \param top node at `depth` on the way to all blocks that will be visited,
+    ///        or kNull: it is made when needed, see finish()
+    TreeWriter(Nodes& nodes, Editor& editor, Node top, int depth)
+        : nodes_(nodes), editor_(editor), top_(top), topDepth_(depth), depth_(depth - 1) {}
+    ~TreeWriter() { finish(); }
     TreeWriter(const TreeWriter&) = delete;
     TreeWriter& operator=(const TreeWriter&) = delete;
 
-    /// Sets every cell of `touched` to update(cell index, value), where an
-    /// unknown cell has value 0. Nodes are made only where something changes.
-    /// `update` may be called more than once for a cell.
-    /// \param saturated the bits of touched cells become (new value == clamp)
-    /// \return true if a cell changed
-    template <typename Update>
-    bool updateBlock(std::uint64_t morton, const BlockMask<Dim>& touched, float clamp,
-                     BlockMask<Dim>& saturated, const Update& update) {
-        if (!touched.any()) return false;
-        const Change<Update> change{touched, clamp, saturated, update};
-        enterCommonAncestor(morton);
-        bool created = false;
-        if (depth_ < 0) {
-            Node root = nodes_.root();
-            if (root == Nodes::kNull) {
-                root = nodes_.createRoot();
-                created = true;
-            }
-            path_[depth_ = 0] = root;
+    /// Goes to where a block is; changes nothing in it.
+    Found enter(std::uint64_t morton) { return enter(morton, kBlockDepth); }
+
+    /// The node at which the way ended. \pre the last enter() found one
+    Node node() const { return path_[depth_]; }
+
+    /// The values of the cells of all families (the children of one node) with
+    /// a touched cell; 0 where unknown and touched. \pre enter()
+    void read(Found found, const BlockMask<Dim>& touched, Values& values) {
+        if (found == Found::inner) {
+            const Cube block{node(), 0};
+            readCubes<kBlockBits>(&block, 1, Touched(touched), values.data());
+        } else if (found == Found::leaf) {
+            values.fill(nodes_.value(node()));
+        } else {
+            for (std::size_t w = 0; w < touched.words.size(); ++w)
+                if (touched.words[w] != 0) std::fill_n(values.data() + 64 * w, 64, 0.0f);
         }
-        while (depth_ < kBlockDepth) {
-            const Node node = path_[depth_];
-            if (!created && !nodes_.hasChildren(node)) {
-                if (!changesLeaf<kBlockBits>(nodes_.value(node), 0, change)) return false;
-                nodes_.expand(node);
-            }
-            const int i = childTowards<Dim>(morton, depth_);
-            Node next = created ? Nodes::kNull : nodes_.child(node, i);
-            created = next == Nodes::kNull;
-            if (created) {
-                markChanged();  // before the node exists, in case creation fails
-                next = nodes_.createChild(node, i);
-            }
-            path_[++depth_] = next;
-        }
-        morton_ = morton;
-        const bool changed = updateNode<kBlockBits>(path_[depth_], created, 0, change);
-        if (changed) markChanged();
-        return changed;
+    }
+
+    /// Sets the touched cells of the block. \pre enter(), read(), editor.reserve()
+    /// \param values of touched cells: the new ones; of other cells of their
+    ///        families: as read
+    void write(Found found, const BlockMask<Dim>& touched, const Values& values) {
+        if (found == Found::leaf &&
+            !differs<kBlockBits>(nodes_.value(node()), 0, touched, values.data()))
+            return;
+        const bool created = makeWay();
+        writeNode<kBlockBits>(node(), created ? Found::nothing : foundAt(node()), 0,
+                              Touched(touched), values.data());
+        markChanged();
+    }
+
+    /// Goes to the node at `depth` over the block; changes nothing.
+    /// \param leaf set if there is none because a leaf is above it
+    /// \return kNull if there is none
+    Node find(std::uint64_t morton, int depth, bool& leaf) {
+        leaf = enter(morton, depth) == Found::leaf && depth_ < depth;
+        return depth_ == depth ? node() : Nodes::kNull;
+    }
+
+    /// Puts a node at `depth` on the way to the block if it is not there, and
+    /// settles what is above it. \pre editor.reserve()
+    void attach(std::uint64_t morton, int depth, Node node) {
+        enter(morton, depth - 1);
+        makeWay(depth - 1);
+        const int i = childTowards<Dim>(morton, depth - 1);
+        if (nodes_.child(path_[depth_], i) == Nodes::kNull)
+            editor_.attach(path_[depth_], i, node);
+        ++depth_;
+        path_[depth_] = node;
+        markChanged();
+    }
+
+    /// Brings inner nodes up to date. \return the top node; kNull: still none
+    Node finish() {
+        leaveTo(topDepth_ - 1);
+        return top_;
     }
 
  private:
-    template <typename Update>
-    struct Change {
-        const BlockMask<Dim>& touched;
-        float clamp;
-        BlockMask<Dim>& saturated;
-        const Update& update;
+    static constexpr unsigned kAll = (1u << (1 << Dim)) - 1;
+
+    using Touched = TouchedCubes<Dim>;
+
+    Found foundAt(Node n) const { return nodes_.hasChildren(n) ? Found::inner : Found::leaf; }
+
+    Found enter(std::uint64_t morton, int depth) {
+        leaveForCommonAncestor(morton, depth);
+        if (depth_ < topDepth_) {
+            if (top_ == Nodes::kNull) return Found::nothing;
+            path_[depth_ = topDepth_] = top_;
+        }
+        while (depth_ < depth) {
+            if (!nodes_.hasChildren(node())) return Found::leaf;
+            const Node next = nodes_.child(node(), childTowards<Dim>(morton, depth_));
+            if (next == Nodes::kNull) return Found::nothing;
+            path_[++depth_] = next;
+        }
+        return foundAt(node());
+    }
+
+    /// Makes nodes down to the block. \return whether its node is new
+    bool makeWay(int depth = kBlockDepth) {
+        bool created = false;
+        if (depth_ < topDepth_) {
+            top_ = editor_.create();
+            if (topDepth_ == 0) nodes_.setRoot(top_);
+            path_[depth_ = topDepth_] = top_;
+            created = true;
+        }
+        while (depth_ < depth) {
+            const Node n = node();
+            const int i = childTowards<Dim>(morton_, depth_);
+            if (!created && !nodes_.hasChildren(n)) {
+                editor_.createChildren(n, kAll, nodes_.value(n));
+            } else if (created || nodes_.child(n, i) == Nodes::kNull) {
+                editor_.createChildren(n, 1u << i, 0.0f);
+                created = true;
+            }
+            path_[++depth_] = nodes_.child(n, i);
+        }
+        return created;
+    }
+
+    /// A node and the first cell of its cube.
+    struct Cube {
+        Node node;
+        int offset;
     };
 
-    /// \param created the node is new: its value means nothing yet
-    template <int level, typename Update>
-    bool updateNode(Node node, bool created, int offset, const Change<Update>& c) {
-        if constexpr (level == 0) {
-            const float before = created ? 0.0f : nodes_.value(node);
-            const float after = c.update(offset, before);
-            if (after == c.clamp)
-                c.saturated.set(offset);
-            else
-                c.saturated.reset(offset);
-            if (!created && after == before) return false;
-            nodes_.setValue(node, after);
-            return true;
+    /// Level by level, and each in steps whose memory accesses do not wait for
+    /// one another: nodes are seldom in the cache.
+    template <int level>
+    void readCubes(const Cube* cubes, int count, const Touched& touched, float* values) {
+        for (int k = 0; k < count; ++k) nodes_.prefetchFamily(cubes[k].node);
+        if constexpr (level == 1)
+            for (int k = 0; k < count; ++k) nodes_.prefetchChildren(cubes[k].node);
+        std::array<Cube, std::size_t{1} << (Dim * (kBlockBits - level + 1))> children;
+        int childCount = 0;
+        for (int k = 0; k < count; ++k) {
+            const auto [n, offset] = cubes[k];
+            if (!nodes_.hasChildren(n)) {
+                fillCube<Dim, level>(values, offset, nodes_.value(n));
+            } else if constexpr (level == 1) {
+                float family[1 << Dim];
+                had_[static_cast<std::size_t>(offset)] =
+                    nodes_.readChildren(n, touched.template children<0>(offset), family);
+                for (int i = 0; i < 1 << Dim; ++i)
+                    values[offset + childOffset<Dim>(i, 0)] = family[i];
+            } else {
+                for (unsigned bits = touched.template children<level - 1>(offset); bits;
+                     bits &= bits - 1) {
+                    const int i = __builtin_ctz(bits);
+                    const int at = offset + childOffset<Dim>(i, level - 1);
+                    if (const Node c = nodes_.child(n, i); c != Nodes::kNull)
+                        children[static_cast<std::size_t>(childCount++)] = {c, at};
+                    else
+                        fillCube<Dim, level - 1>(values, at, 0.0f);
+                }
+            }
+        }
+        if constexpr (level > 1)
+            readCubes<level - 1>(children.data(), childCount, touched, values);
+    }
+
+    template <int level>
+    void writeNode(Node n, Found found, int offset, const Touched& touched,
+                   const float* values) {
+        if constexpr (level == 1) {
+            writeFamily(n, found, offset, touched.template children<0>(offset), values);
         } else {
-            if (!created && !nodes_.hasChildren(node)) {
-                if (!changesLeaf<level>(nodes_.value(node), offset, c)) return false;
-                nodes_.expand(node);
+            if (found != Found::inner) {
+                if (found == Found::leaf &&
+                    !differs<level>(nodes_.value(n), offset, touched.cells, values))
+                    return;
+                if (hasWholeCube<Dim, level>(touched.cells, offset) &&
+                    isUniformCube<Dim, level>(values, offset)) {
+                    editor_.setValue(n, values[offset]);
+                    return;
+                }
             }
-            bool changed = false;
-            for (int i = 0; i < 1 << Dim; ++i) {
-                const int childAt = offset + childOffset<Dim>(i, level - 1);
-                if (!anyInCube<Dim, level - 1>(c.touched, childAt)) continue;
-                Node child = nodes_.child(node, i);
-                const bool isNew = child == Nodes::kNull;
-                if (isNew) child = nodes_.createChild(node, i);
-                if (updateNode<level - 1>(child, isNew, childAt, c)) changed = true;
+            const unsigned which = touched.template children<level - 1>(offset);
+            unsigned fresh = 0;
+            if (found == Found::leaf) {
+                editor_.createChildren(n, kAll, nodes_.value(n));
+            } else {
+                fresh = which;
+                if (found == Found::inner)
+                    for (unsigned bits = which; bits; bits &= bits - 1)
+                        if (nodes_.child(n, __builtin_ctz(bits)) != Nodes::kNull)
+                            fresh ^= bits & -bits;
+                if (fresh != 0) editor_.createChildren(n, fresh, 0.0f);
             }
-            if (changed) nodes_.settle(node);
-            return changed;
+            for (unsigned bits = which; bits; bits &= bits - 1) {
+                const int i = __builtin_ctz(bits);
+                const Node c = nodes_.child(n, i);
+                writeNode<level - 1>(c, fresh >> i & 1 ? Found::nothing : foundAt(c),
+                                     offset + childOffset<Dim>(i, level - 1), touched, values);
+            }
+            editor_.settle(n);
         }
     }
 
-    /// Whether a leaf larger than a cell has to be split.
-    template <int level, typename Update>
-    bool changesLeaf(float value, int offset, const Change<Update>& c) const {
-        bool changes = false;
-        visitCube<Dim, level>(c.touched, offset, [&](int word, std::uint64_t bits) {
-            for (; bits && !changes; bits &= bits - 1) {
-                const int i = 64 * word + __builtin_ctzll(bits);
-                changes = c.update(i, value) != value;
+    /// writeNode() for a node whose children are cells.
+    void writeFamily(Node n, Found found, int offset, unsigned touched, const float* values) {
+        constexpr int kFamily = 1 << Dim;
+        float family[kFamily];
+        for (int i = 0; i < kFamily; ++i) family[i] = values[offset + childOffset<Dim>(i, 0)];
+        const unsigned had = found == Found::inner ? had_[static_cast<std::size_t>(offset)]
+                                                   : (found == Found::leaf ? kAll : 0u);
+        const unsigned has = had | touched;
+        if (has == kAll) {
+            bool same = true;
+            for (int i = 1; i < kFamily; ++i) same &= family[i] == family[0];
+            if (same) {
+                if (found == Found::inner) editor_.removeChildren(n);
+                editor_.setValue(n, family[0]);
+                return;
             }
-        });
-        return changes;
+        }
+        if (found == Found::inner) editor_.setChildren(n, family);
+        if (found == Found::nothing)
+            for (int i = 0; i < kFamily; ++i)
+                if (!(has >> i & 1)) family[i] = kAbsent;
+        const unsigned fresh = found == Found::leaf ? kAll : touched & ~had;
+        if (fresh != 0) editor_.createChildren(n, fresh, family);
+        editor_.setValue(n, highestOf<kFamily>(family));
     }
 
-    /// Goes up to the last node on the path that holds the block, too.
-    void enterCommonAncestor(std::uint64_t morton) {
-        int common = depth_;
-        while (common > 0 && (morton ^ morton_) >> (Dim * (kBlockDepth - common))) --common;
+    /// Whether a touched cell of a cube has another value.
+    template <int level>
+    bool differs(float value, int offset, const BlockMask<Dim>& touched,
+                 const float* values) const {
+        bool any = false;
+        visitCube<Dim, level>(touched, offset, [&](int word, std::uint64_t bits) {
+            for (; bits && !any; bits &= bits - 1)
+                any = values[64 * word + __builtin_ctzll(bits)] != value;
+        });
+        return any;
+    }
+
+    /// Goes up to the last node on the path that holds the block, too, and is
+    /// not below `depth`.
+    void leaveForCommonAncestor(std::uint64_t morton, int depth) {
+        int common = std::min(depth_, depth);
+        while (common > topDepth_ && (morton ^ morton_) >> (Dim * (kBlockDepth - common)))
+            --common;
         leaveTo(common);
         morton_ = morton;
     }
@@ -201,19 +301,23 @@ class TreeWriter {
     void leaveTo(int depth) {
         for (; depth_ > depth; --depth_)
             if (depth_ < changedAbove_) {
-                nodes_.settle(path_[depth_]);
+                editor_.settle(path_[depth_]);
                 changedAbove_ = depth_;
             }
     }
 
-    /// Something changed below the deepest inner node of the path.
-    void markChanged() { changedAbove_ = depth_ < kBlockDepth ? depth_ + 1 : kBlockDepth; }
+    /// What is above the deepest node of the path must be settled.
+    void markChanged() { changedAbove_ = depth_; }
 
     Nodes& nodes_;
+    Editor& editor_;
+    Node top_;
+    const int topDepth_;
     Node path_[kBlockDepth + 1]{};
-    int depth_ = -1;            // of the deepest node on the path; -1: none
+    int depth_;                 // of the deepest node on the path; topDepth_ - 1: none
     std::uint64_t morton_ = 0;  // a block below that node
     int changedAbove_ = 0;      // path nodes of lower depth must be settled
+    std::array<std::uint8_t, kBlockCells<Dim>> had_;  // by first cell: children that were read
 };
 
 }  // namespace superray

@@ -1,0 +1,131 @@
+#pragma once
+/// \file node_arena.h
+/// Memory for the nodes of a tree, made by one or several threads.
+
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <utility>
+#include <vector>
+
+namespace superray {
+
+/// Hands out nodes of 16 bytes and families (the pointers to 8 children) of
+/// 64. What is made in turn lies side by side. What is released is used again;
+/// memory goes back only with the arena.
+class NodeArena {
+ public:
+    static constexpr std::size_t kNodeBytes = 16, kFamilyBytes = 64;
+    /// Chunks double with the arena, from the first to the last of these sizes.
+    static constexpr std::size_t kFirstChunk = std::size_t{1} << 16;
+    static constexpr std::size_t kLastChunk = std::size_t{1} << 21;
+
+    class Share;
+
+    NodeArena() = default;
+    NodeArena(const NodeArena&) = delete;
+    NodeArena& operator=(const NodeArena&) = delete;
+
+    /// \pre no shares of either
+    void swap(NodeArena& o) noexcept;
+    void clear() noexcept;  ///< \pre no shares
+    /// Memory taken from the system.
+    std::size_t chunkBytes() const { return chunkBytes_; }
+
+ private:
+    struct Free {
+        Free* next;
+    };
+    /// Last in, first out.
+    struct FreeList {
+        Free* first = nullptr;
+        Free* last = nullptr;  // valid if there is a first
+        void push(void* memory);
+        void* pop();
+        void append(FreeList& o);          // takes all of o
+        FreeList takeSome(std::size_t n);  // at most n
+    };
+    struct Range {
+        std::byte* begin = nullptr;
+        std::byte* end = nullptr;
+        std::size_t size() const { return static_cast<std::size_t>(end - begin); }
+    };
+    Range newChunk(std::size_t least);
+    void noteFree() {
+        freeNodes_ = nodes_.first != nullptr;
+        freeFamilies_ = families_.first != nullptr;
+    }
+    /// So that shares can give back what they have without allocating.
+    void keepRoomForRanges() { ranges_.reserve(ranges_.size() + 2 * shares_ + 1); }
+
+    std::mutex mutex_;  // of what follows, while there are shares
+    std::vector<std::unique_ptr<std::byte[]>> chunks_;
+    std::vector<Range> ranges_;  // never used so far
+    FreeList nodes_, families_;
+    std::size_t chunkBytes_ = 0;
+    std::size_t shares_ = 0;
+    std::atomic<bool> freeNodes_{false}, freeFamilies_{false};  // are there any
+};
+
+/// One thread's access to an arena.
+class NodeArena::Share {
+ public:
+    explicit Share(NodeArena& arena);
+    ~Share();  ///< gives back what was not used
+    Share(const Share&) = delete;
+    Share& operator=(const Share&) = delete;
+
+    /// Makes sure that memory of `bytes` in total, in whatever parts, can be
+    /// taken without failure.
+    void reserve(std::size_t bytes) {
+        if (current_.size() < bytes && spare_.size() < bytes) findRoom(bytes);
+        const auto holds = [](const std::atomic<bool>& b) {
+            return b.load(std::memory_order_relaxed);
+        };
+        if ((nodes_.first == nullptr && holds(arena_.freeNodes_)) ||
+            (families_.first == nullptr && holds(arena_.freeFamilies_)))
+            findFree();
+    }
+    // Uninitialised memory. \pre reserve()
+    void* node() { return nodes_.first ? nodes_.pop() : take(kNodeBytes); }
+    /// Nodes side by side, if that is easy; else nullptr.
+    std::byte* nodesInARow(std::size_t n) {
+        if (nodes_.first != nullptr || current_.size() < n * kNodeBytes) return nullptr;
+        return std::exchange(current_.begin, current_.begin + n * kNodeBytes);
+    }
+    void* family() { return families_.first ? families_.pop() : take(kFamilyBytes); }
+    void releaseNode(void* node) { nodes_.push(node); }
+    void releaseFamily(void* family) { families_.push(family); }
+
+ private:
+    void* take(std::size_t bytes) {
+        if (current_.size() < bytes) useSpare();
+        void* const memory = current_.begin;
+        current_.begin += bytes;
+        return memory;
+    }
+    void useSpare();
+    void findRoom(std::size_t bytes);
+    void findFree();
+
+    NodeArena& arena_;
+    Range current_, spare_;
+    FreeList nodes_, families_;
+    std::size_t freeAtOnce_ = 8;  // what findFree() takes: more and more
+};
+
+inline void NodeArena::FreeList::push(void* memory) {
+    Free* const slot = new (memory) Free{first};
+    if (first == nullptr) last = slot;
+    first = slot;
+}
+
+inline void* NodeArena::FreeList::pop() {
+    Free* const slot = first;
+    first = slot->next;
+    return slot;
+}
+
+}  // namespace superray
