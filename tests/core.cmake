@@ -1,9 +1,11 @@
 foreach(name cell sensor_model ray_bundle ray_line super_rays culling_region update_batch
-        beams equivalence)
+        chunk_queue mask_fill horizon equivalence)
   superray_add_test(core_${name}_test SOURCES core/${name}_test.cpp LIBS superray::core)
 endforeach()
 # Internal headers: kernels that only some processors run, and what they rest on.
-target_include_directories(core_beams_test PRIVATE ${PROJECT_SOURCE_DIR}/libs/core/src)
+foreach(name chunk_queue mask_fill horizon)
+  target_include_directories(core_${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/libs/core/src)
+endforeach()
 
 # The same again with the lesser instruction sets (the run above uses the best).
 foreach(set portable avx2)

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <random>
+#include <vector>
 
 namespace superray {
 namespace {
@@ -67,6 +69,75 @@ TEST(RayBundle, BadOriginAndLimitsThrow) {
     EXPECT_THROW((RayBundle<2>(g, {0, 0}, {-1, 5})), std::invalid_argument);
     EXPECT_THROW((RayBundle<2>(g, {0, 0}, {5, 5})), std::invalid_argument);
     EXPECT_THROW((RayBundle<2>(g, {0, 0}, {0, kNan})), std::invalid_argument);
+}
+
+/// Whether both bundles hold the same rays and have skipped the same points.
+template <int Dim>
+void expectEqual(const RayBundle<Dim>& got, const RayBundle<Dim>& expected) {
+    ASSERT_EQ(got.size(), expected.size());
+    for (std::size_t i = 0; i < got.size(); ++i) {
+        ASSERT_EQ(got.end(i), expected.end(i));
+        ASSERT_EQ(got.origin(i), expected.origin(i));
+        ASSERT_EQ(got.kind(i), expected.kind(i));
+    }
+    EXPECT_EQ(got.skipped().notFinite, expected.skipped().notFinite);
+    EXPECT_EQ(got.skipped().outOfRange, expected.skipped().outOfRange);
+    EXPECT_EQ(got.skipped().tooNear, expected.skipped().tooNear);
+    EXPECT_EQ(got.lowest(), expected.lowest());
+    EXPECT_EQ(got.highest(), expected.highest());
+}
+
+template <int Dim, typename Scalar>
+void checkManyReturns(double badShare, const RangeLimits& limits) {
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> coordinate(-40, 40), share(0, 1);
+    const CellGeometry<Dim> g(0.1);
+    RayBundle<Dim> one(g, Point<Dim>::Constant(0.03), limits), many = one;
+    std::size_t bad = 0;
+    for (std::size_t count : {0u, 1u, 255u, 256u, 1000u}) {
+        std::vector<Scalar> points;
+        for (std::size_t i = 0; i < count * Dim; ++i)
+            points.push_back(static_cast<Scalar>(coordinate(random)));
+        for (Scalar& x : points) {
+            const double draw = share(random);
+            if (draw >= badShare) continue;
+            ++bad;
+            const double kinds[] = {kNan, kInf, -kInf, 1e4, -1e4};
+            x = static_cast<Scalar>(kinds[static_cast<int>(5 * draw / badShare)]);
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            Point<Dim> p;
+            for (int a = 0; a < Dim; ++a)
+                p[a] = static_cast<double>(points[i * Dim + static_cast<std::size_t>(a)]);
+            one.add(p);
+        }
+        many.addReturns(points.data(), count);
+        expectEqual(many, one);
+    }
+    EXPECT_EQ(one.size() + one.skipped().total(), 1512u);
+    EXPECT_EQ(bad > 0, badShare > 0);
+}
+
+TEST(RayBundle, ManyReturnsAreThoseOfOneByOne) {
+    for (double badShare : {0.0, 0.001, 0.2}) {
+        for (const RangeLimits& limits : {RangeLimits{}, RangeLimits{1, 30}}) {
+            checkManyReturns<2, float>(badShare, limits);
+            checkManyReturns<2, double>(badShare, limits);
+            checkManyReturns<3, float>(badShare, limits);
+            checkManyReturns<3, double>(badShare, limits);
+        }
+    }
+}
+
+TEST(RayBundle, ManyReturnsAfterARayWithItsOwnOrigin) {
+    const CellGeometry<3> g(0.1);
+    RayBundle<3> one(g, {0, 0, 0}), many(g, {0, 0, 0});
+    const float points[] = {1, 2, 3, 4, 5, 6};
+    for (RayBundle<3>* rays : {&one, &many}) rays->add({0.5, 0, 0}, {7, 8, 9}, RayEnd::hit);
+    one.add({0, 0, 0}, {1, 2, 3}, RayEnd::hit);
+    one.add({0, 0, 0}, {4, 5, 6}, RayEnd::hit);
+    many.addReturns(points, 2);
+    expectEqual(many, one);
 }
 
 }  // namespace

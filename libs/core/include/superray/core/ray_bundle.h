@@ -91,7 +91,9 @@ class RayBundle {
     /// Adds a ray from the common origin. A bad point is skipped and counted.
     /// A hit beyond the maximum range becomes an open ray cut there.
     void add(const Point<Dim>& end, RayEnd kind = RayEnd::hit) {
-        if (unlimited_ && geometry_.contains(end))
+        if (!origins_.empty())
+            add(origin_, end, kind);
+        else if (unlimited_ && geometry_.contains(end))
             push(end, kind);
         else
             addRay(origin_, end, kind);

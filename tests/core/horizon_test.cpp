@@ -1,0 +1,307 @@
+// What walks from the horizon rest on: directions are those of the lines, no tile
+// misses an open cell, and nothing that matters is before the horizon.
+
+#include <superray/core/traversal.h>
+
+#include <gtest/gtest.h>
+
+#include "core/ray_generators.h"
+#include "settled_region.h"
+#include "walk_kernel.h"
+
+namespace superray {
+namespace {
+
+using test::Random;
+
+template <typename T>
+class HorizonOf : public ::testing::Test {};
+using Dims = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(HorizonOf, Dims);
+
+constexpr int kRays = 3000;
+
+/// Calls check(rays) for a scan of every scene, and counts rays.
+template <int Dim, typename Check>
+std::size_t forEachScene(const Check& check) {
+    std::size_t rays = 0;
+    for (test::Scene scene : test::kScenes) {
+        Random random(900 + static_cast<std::uint64_t>(scene));
+        const auto scan = test::makeScan<Dim>(scene, random, CellGeometry<Dim>(0.1), kRays);
+        rays += scan.size();
+        check(scan);
+        if (::testing::Test::HasFatalFailure()) return 0;
+    }
+    return rays;
+}
+
+template <int Dim>
+std::vector<WalkKernels<Dim>> allKernels() {
+    std::vector<WalkKernels<Dim>> kernels{portableKernels<Dim>()};
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) kernels.push_back(avx2Kernels<Dim>());
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+        __builtin_cpu_supports("avx512dq"))
+        kernels.push_back(avx512Kernels<Dim>());
+#endif
+    return kernels;
+}
+
+template <int Dim>
+RayLine<Dim> lineOf(const RayBundle<Dim>& scan, std::size_t ray) {
+    return RayLine<Dim>(scan.geometry(), scan.commonOrigin(), scan.end(ray));
+}
+
+template <int Dim>
+RayDirections<Dim> directionsOf(const RayBundle<Dim>& scan, int levels) {
+    RayDirections<Dim> directions;
+    directions.tiles.levels = levels;
+    directions.resize(scan.size());
+    bestKernels<Dim>().findDirections(scan, 0, scan.size(), directions);
+    return directions;
+}
+
+template <int Dim>
+Horizon<Dim> horizonOf(const RayBundle<Dim>& scan, const RayDirections<Dim>& directions) {
+    Horizon<Dim> horizon;
+    horizon.reset(directions.tiles,
+                  RayLine<Dim>::unitsOf(scan.geometry(), scan.commonOrigin()));
+    for (std::size_t i = 0; i < scan.size(); ++i)
+        horizon.addRay(directions.tile[i], directions.extent[i]);
+    horizon.completeReach();
+    return horizon;
+}
+
+TYPED_TEST(HorizonOf, DirectionsAreThoseOfTheLines) {
+    constexpr int Dim = TypeParam::value;
+    constexpr int kLevels = 5;
+    std::size_t lone = 0, certain = 0;
+    const std::size_t rays = forEachScene<Dim>([&](const RayBundle<Dim>& scan) {
+        const Cell<Dim> sensor = scan.geometry().cellOf(scan.commonOrigin());
+        for (const WalkKernels<Dim>& kernels : allKernels<Dim>()) {
+            const std::size_t first = 17;  // a part of the scan
+            RayDirections<Dim> d;
+            d.tiles.levels = kLevels;
+            d.resize(scan.size() - first);
+            kernels.findDirections(scan, first, scan.size(), d);
+            for (std::size_t i = 0; i < scan.size() - first; ++i) {
+                const Cell<Dim> end = scan.geometry().cellOf(scan.end(first + i));
+                for (int a = 0; a < Dim; ++a)
+                    ASSERT_EQ(d.extent[i][static_cast<unsigned>(a)],
+                              std::abs(end[a] - sensor[a]));
+                if (d.tile[i] == d.tiles.lone()) {
+                    ++lone;
+                    continue;
+                }
+                ++certain;
+                const RayLine<Dim> line = lineOf(scan, first + i);
+                std::uint32_t kind = static_cast<std::uint32_t>(line.dominant);
+                for (int a = 0; a < Dim; ++a) kind |= line.flip[a] != 0 ? 4u << a : 0u;
+                ASSERT_EQ(d.tiles.kindOf(d.tile[i]), kind);
+                std::uint32_t tile = d.tile[i] - kind * d.tiles.perKind();
+                ASSERT_LT(tile, 1u << (kLevels * (Dim - 1)));
+                for (int a = 0; a < Dim; ++a) {
+                    if (a == line.dominant) continue;
+                    const double at = static_cast<double>(line.slope[a]) / kUnitsPerCell *
+                                      (1 << kLevels);
+                    const auto number = static_cast<double>(tile & ((1u << kLevels) - 1));
+                    const double margin =
+                        RayDirections<Dim>::kSlopeMargin * (1 << kLevels);
+                    ASSERT_GE(at, number - margin);
+                    ASSERT_LE(at, number + 1 + margin);
+                    tile >>= kLevels;
+                }
+            }
+        }
+    });
+    EXPECT_EQ(rays, std::size(test::kScenes) * kRays);
+    EXPECT_GT(certain, rays / 2);
+    EXPECT_GT(lone, 100u);
+}
+
+TYPED_TEST(HorizonOf, AnOpenCellIsNotedInTheTilesOfAllItsRays) {
+    constexpr int Dim = TypeParam::value;
+    std::size_t cells = 0, tiles = 0, noted = 0;
+    forEachScene<Dim>([&](const RayBundle<Dim>& scan) {
+        for (int levels : {2, 6}) {
+            const RayDirections<Dim> d = directionsOf(scan, levels);
+            Horizon<Dim> horizon = horizonOf(scan, d);
+            for (std::size_t i = 0; i < scan.size(); i += 23) {
+                const RayLine<Dim> line = lineOf(scan, i);
+                if (d.tile[i] == d.tiles.lone() || line.steps() == 0) continue;
+                // One of its cells, and its slice.
+                const auto wanted = static_cast<std::int64_t>(i * 7919) % line.steps();
+                std::int64_t at = 0;
+                Cell<Dim> open{};
+                forEachFreeCell(line, [&](const Cell<Dim>& c) {
+                    if (at++ == wanted) open = c;
+                });
+                const std::int32_t slice =
+                    (open[line.dominant] ^ line.flip[line.dominant]) -
+                    line.first[line.dominant];
+                BlockMask<Dim> mask;
+                mask.set(indexInBlock<Dim>(open));
+                horizon.clear();
+                ASSERT_TRUE(horizon.reaches(blockOf<Dim>(open)));
+                horizon.open(blockOf<Dim>(open), mask);
+                horizon.completeOpen();
+                ASSERT_LE(horizon.firstOpen(d.tile[i]), slice) << i;
+                ++cells;
+                for (std::size_t j = 0; j < scan.size(); j += 101) {
+                    ++tiles;
+                    noted += horizon.firstOpen(d.tile[j]) != Horizon<Dim>::kNever;
+                }
+            }
+        }
+    });
+    EXPECT_GT(cells, 1000u);
+    // A horizon that is open everywhere would pass the above.
+    EXPECT_LT(noted, tiles / 2);
+}
+
+/// Walks two thirds of the rays, looks around and checks what is skipped.
+template <int Dim>
+void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
+                          std::size_t& skipped, std::size_t& left) {
+    const CellGeometry<Dim>& g = scan.geometry();
+    WalkState<Dim> state;
+    const BlockBox<Dim> box{blockOf<Dim>(g.cellOf(scan.lowest())),
+                            blockOf<Dim>(g.cellOf(scan.highest()))};
+    state.reset(box);
+    state.countMapSaturation(nullptr, SensorModel(), UpdatePolicy::oncePerScan);
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+        if (i % 3 == 0) continue;
+        const RayLine<Dim> line = lineOf(scan, i);
+        state.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
+        walkPortable(state, line, 0, line.slices());
+        state.flush(1);
+    }
+    const RayDirections<Dim> d = directionsOf(scan, 5);
+    Horizon<Dim> horizon = horizonOf(scan, d);
+    SettledRegion<Dim> region;
+    region.reset(box);
+    region.build(g.cellOf(scan.commonOrigin()), state, nullptr, horizon, mostWork);
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+        const RayLine<Dim> line = lineOf(scan, i);
+        const std::int32_t from = std::min<std::int32_t>(horizon.firstOpen(d.tile[i]),
+                                                         line.slices());
+        forEachFreeCell(line, 0, from, [&](const Cell<Dim>& c) {
+            ++skipped;
+            const auto block = state.ownBatchBlock(blockOf<Dim>(c));
+            ASSERT_TRUE(block);
+            ASSERT_GE(state.batch.misses(*block)[indexInBlock<Dim>(c)], state.enough);
+        });
+        if (::testing::Test::HasFatalFailure()) return;
+        left += static_cast<std::size_t>(line.slices() - from);
+    }
+}
+
+TYPED_TEST(HorizonOf, NothingThatMattersIsBeforeTheHorizon) {
+    constexpr int Dim = TypeParam::value;
+    std::size_t skipped = 0, left = 0, skippedEarly = 0, leftEarly = 0;
+    const std::size_t rays = forEachScene<Dim>([&](const RayBundle<Dim>& scan) {
+        checkNothingIsMissed<Dim>(scan, 1u << 30, skipped, left);
+        if (::testing::Test::HasFatalFailure()) return;
+        checkNothingIsMissed<Dim>(scan, 500, skippedEarly, leftEarly);
+    });
+    EXPECT_EQ(rays, std::size(test::kScenes) * kRays);
+    EXPECT_GT(skipped, 100000u);
+    // With little work allowed, the region ends earlier, and still is right.
+    EXPECT_GT(skippedEarly, 1000u);
+    EXPECT_GT(leftEarly, left);
+}
+
+TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
+    constexpr int Dim = TypeParam::value;
+    std::size_t walked = 0, kernelsTried = 0;
+    const std::size_t rays = forEachScene<Dim>([&](const RayBundle<Dim>& scan) {
+        const CellGeometry<Dim>& g = scan.geometry();
+        const RayDirections<Dim> d = directionsOf(scan, 3);
+        const BlockBox<Dim> box{blockOf<Dim>(g.cellOf(scan.lowest())),
+                                blockOf<Dim>(g.cellOf(scan.highest()))};
+        for (const WalkKernels<Dim>& kernels : allKernels<Dim>()) {
+            ++kernelsTried;
+            WalkState<Dim> expected, got;
+            for (WalkState<Dim>* state : {&expected, &got}) {
+                state->reset(box);
+                state->countMapSaturation(nullptr, SensorModel(), UpdatePolicy::everyRay);
+            }
+            EndAddresses<Dim> ends;
+            ends.resize(scan.size());
+            kernels.findEnds(scan, 0, scan.size(), got.directory, ends);
+            std::array<RayLanes, DirectionTiles<Dim>::kKinds> waiting;
+            for (std::size_t i = 0; i < scan.size(); ++i) {
+                const Cell<Dim> end = g.cellOf(scan.end(i));
+                ASSERT_EQ(ends.block(i), got.directory.indexOf(blockOf<Dim>(end)));
+                ASSERT_EQ(ends.local(i), static_cast<unsigned>(indexInBlock<Dim>(end)));
+                if (d.tile[i] == d.tiles.lone()) continue;
+                const RayLine<Dim> line = lineOf(scan, i);
+                const auto from = static_cast<std::int32_t>(
+                    i % static_cast<std::size_t>(line.slices() + 1));
+                expected.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
+                walkPortable(expected, line, from, line.slices());
+                expected.flush(1);
+                RayLanes& lanes = waiting[d.tiles.kindOf(d.tile[i])];
+                lanes.kind = d.tiles.kindOf(d.tile[i]);
+                lanes.ray[lanes.count] = static_cast<std::uint32_t>(i);
+                lanes.from[lanes.count] = from;
+                if (++lanes.count < 8) continue;
+                kernels.walkRays(got, scan, lanes);
+                got.flush(1);
+                lanes.count = 0;
+            }
+            for (RayLanes& lanes : waiting) {
+                if (lanes.count == 0) continue;
+                std::fill(lanes.ray + lanes.count, std::end(lanes.ray), lanes.ray[0]);
+                kernels.walkRays(got, scan, lanes);
+                got.flush(1);
+            }
+            ASSERT_EQ(got.traversed, expected.traversed);
+            walked += got.traversed;
+            for (std::size_t b = 0; b < expected.batch.blockCount(); ++b) {
+                const auto own = got.ownBatchBlock(expected.batch.key(b));
+                ASSERT_TRUE(own);
+                const std::uint8_t* const counts = expected.batch.misses(b);
+                ASSERT_TRUE(std::equal(counts, counts + kBlockCells<Dim>,
+                                       got.batch.misses(*own)));
+                for (std::uint32_t least : {1u, 5u, 255u}) {
+                    const BlockMask<Dim> mask = kernels.atLeast(counts, least);
+                    for (int i = 0; i < kBlockCells<Dim>; ++i)
+                        ASSERT_EQ(mask.test(i), counts[i] >= least);
+                }
+            }
+        }
+    });
+    EXPECT_EQ(rays, std::size(test::kScenes) * kRays);
+    EXPECT_EQ(kernelsTried, std::size(test::kScenes) * allKernels<Dim>().size());
+    EXPECT_GT(walked, 100000u);
+}
+
+TEST(Extent, ComparesAndJoinsAxisByAxis) {
+    Random random(77);
+    int within = 0;
+    for (int i = 0; i < 2000; ++i) {
+        std::int32_t a[3], b[3];
+        Extent ea, eb;
+        bool expected = true;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int most = test::integer(random, 0, 1) ? 65535 : 3;
+            a[axis] = test::integer(random, 0, most);
+            b[axis] = test::integer(random, 0, most);
+            ea.set(axis, a[axis]);
+            eb.set(axis, b[axis]);
+            expected &= a[axis] <= b[axis];
+        }
+        ASSERT_EQ(ea.within(eb), expected);
+        within += expected;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            ASSERT_EQ(ea[axis], a[axis]);
+            ASSERT_EQ(ea.joined(eb)[axis], std::max(a[axis], b[axis]));
+        }
+    }
+    EXPECT_GT(within, 200);
+    EXPECT_LT(within, 1000);
+}
+
+}  // namespace
+}  // namespace superray
