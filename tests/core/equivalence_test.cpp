@@ -183,6 +183,39 @@ TYPED_TEST(Equivalence, OriginsPerRay) {
     for (const TestMap<Dim>& map : maps) expectSameBits<Dim>(map.cells, reference.cells());
 }
 
+// Threads share out long rays by direction.
+TYPED_TEST(Equivalence, LongRaysInThreads) {
+    constexpr int Dim = TypeParam::value;
+    const CellGeometry<Dim> g(0.1);
+    const SensorModel model;
+    Random random(80);
+    std::vector<RayBundle<Dim>> scans;
+    std::uint64_t rays = 0;
+    ReferenceMapper<Dim> reference(model);
+    for (int s = 0; s < 3; ++s) {
+        RayBundle<Dim> scan(g, test::uniformPoint<Dim>(random, 0.5));
+        for (int i = 0; i < 1200; ++i) {
+            Point<Dim> end = test::uniformPoint<Dim>(random, 15);
+            if (i % 50 == 0) end[i % Dim] = scan.commonOrigin()[i % Dim];  // kind unsure
+            scan.add(end, i % 17 == 0 ? RayEnd::open : RayEnd::hit);
+        }
+        rays += scan.size();
+        reference.insert(scan);
+        scans.push_back(std::move(scan));
+    }
+    EXPECT_EQ(rays, 3u * 1200);
+    for (unsigned threads : {1u, 2u, 3u, 4u}) {
+        IntegratorOptions options;
+        options.threads = threads;
+        ScanIntegrator<Dim> integrator;
+        TestMap<Dim> map;
+        for (const auto& scan : scans)
+            map.apply(integrator.integrate(scan, model, options, &map), model,
+                      UpdatePolicy::everyRay);
+        expectSameBits<Dim>(map.cells, reference.cells());
+    }
+}
+
 TYPED_TEST(Equivalence, HugeExtentsUseTheSparseDirectory) {
     constexpr int Dim = TypeParam::value;
     const CellGeometry<Dim> g(0.01);

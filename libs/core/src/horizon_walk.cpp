@@ -1,5 +1,7 @@
 #include "horizon_walk.h"
 
+#include "scan_extent.h"
+
 #include <algorithm>
 
 namespace superray {
@@ -24,16 +26,6 @@ constexpr std::size_t kWorkPerRay = 6;
 /// Addresses gathered before they are counted: enough to keep the counting loop
 /// free of mispredictions, few enough to stay in the L1 cache.
 constexpr std::size_t kFlushAt = 2048;
-
-template <int Dim>
-double typicalLength(const RayBundle<Dim>& rays, std::size_t first, std::size_t last) {
-    const std::size_t step = (last - first) / 64 + 1;
-    double sum = 0;
-    std::size_t n = 0;
-    for (std::size_t i = first; i < last; i += step, ++n)
-        sum += (rays.end(i) - rays.commonOrigin()).template lpNorm<Eigen::Infinity>();
-    return rays.geometry().scaled(sum / static_cast<double>(n));
-}
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include "chunk_queue.h"
 
 #include <algorithm>
+#include <array>
 
 namespace superray {
 namespace {
@@ -12,10 +13,10 @@ namespace {
 /// Rays that repay a thread.
 constexpr std::size_t kRaysPerShare = 256;
 
-/// Parts of a scan: so many per thread, if there are several, ...
-constexpr std::size_t kPartsPerShare = 4;
-/// ... and as many as have about so many rays.
-constexpr std::size_t kRaysPerPart = 1 << 20;
+/// Parts of a scan per thread, at least.
+constexpr std::size_t kPartsPerShare = 3;
+/// Rays of so many cells repay sorting them by direction.
+constexpr double kLongRay = 64;
 
 /// Adds `more` to `sum`, saturating.
 template <int Dim>
@@ -110,20 +111,67 @@ void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
 template <int Dim>
 void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const SensorModel& model,
                                     UpdatePolicy policy) {
-    const std::size_t rays = rays_->size();
-    const std::size_t parts = std::max<std::size_t>(
-        shareCount_ == 1 ? 1 : kPartsPerShare * shareCount_, rays / kRaysPerPart);
-    ChunkQueue queue(parts, shareCount_);
+    const bool sorting =
+        shareCount_ > 1 && typicalLength(*rays_, 0, rays_->size()) > kLongRay;
+    if (sorting) {
+        sortByDirection();
+    } else {
+        const std::size_t parts = shareCount_ == 1 ? 1 : kPartsPerShare * shareCount_;
+        parts_.clear();
+        for (std::size_t i = 0; i <= parts; ++i)
+            parts_.push_back(shareBegin(rays_->size(), i, parts));
+    }
+    const RayBundle<Dim>& rays = sorting ? *sorted_ : *rays_;
+    ChunkQueue queue(parts_.size() - 1, shareCount_);
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
         share.state.countMapSaturation(map, model, policy);
-        share.horizon.begin(*rays_, map, share.state);
+        share.horizon.begin(rays, map, share.state);
         while (const auto part = queue.take(s))
-            share.horizon.walk(shareBegin(rays, *part, parts),
-                               shareBegin(rays, *part + 1, parts));
+            share.horizon.walk(parts_[*part], parts_[*part + 1]);
         share.horizon.end();
         share.culled += share.horizon.culled();
     });
+}
+
+/// Threads take parts that go different ways, so that few blocks are counted by
+/// several: rays of a kind, in the sensor's order, or pieces of them.
+template <int Dim>
+void ScanWalk<Dim>::sortByDirection() {
+    static const FindDirections<Dim> findDirections = bestKernels<Dim>().findDirections;
+    constexpr std::size_t kKinds = DirectionTiles<Dim>::kKinds + 1;  // and lone rays
+    const std::size_t count = rays_->size();
+    inParallel(shareCount_, [&](std::size_t s) {
+        RayDirections<Dim>& directions = shares_[s].directions;
+        directions.tiles.levels = 1;
+        directions.resize(firstRay(s + 1, count) - firstRay(s, count));
+        findDirections(*rays_, firstRay(s, count), firstRay(s + 1, count), directions);
+    });
+    const auto forEachKind = [&](const auto& visit) {
+        std::size_t ray = 0;
+        for (std::size_t s = 0; s < shareCount_; ++s)
+            for (const std::uint32_t tile : shares_[s].directions.tile)
+                visit(ray++, shares_[s].directions.tiles.kindOf(tile));
+    };
+    std::array<std::size_t, kKinds> next{};
+    forEachKind([&](std::size_t, std::uint32_t kind) { ++next[kind]; });
+    parts_ = {0};
+    const std::size_t most = count / (kPartsPerShare * shareCount_) + 1;
+    for (std::size_t& n : next) {
+        const std::size_t rays = n, begin = n = parts_.back();
+        const std::size_t pieces = (rays + most - 1) / most;
+        for (std::size_t i = 1; i <= pieces; ++i)
+            parts_.push_back(begin + shareBegin(rays, i, pieces));
+    }
+    order_.resize(count);
+    forEachKind([&](std::size_t ray, std::uint32_t kind) {
+        order_[next[kind]++] = static_cast<std::uint32_t>(ray);
+    });
+    if (!sorted_ || sorted_->geometry().resolution() != rays_->geometry().resolution())
+        sorted_.emplace(rays_->geometry(), rays_->commonOrigin());
+    sorted_->restart(rays_->commonOrigin());
+    sorted_->reserve(count);
+    for (const std::uint32_t ray : order_) sorted_->add(rays_->end(ray), rays_->kind(ray));
 }
 
 template <int Dim>

@@ -11,6 +11,7 @@
 #include "ray_walker.h"
 #include "scan_extent.h"
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -49,6 +50,7 @@ class ScanWalk {
         WalkState<Dim> state;
         EndCells<Dim> ends;
         HorizonWalk<Dim> horizon;
+        RayDirections<Dim> directions;
         std::uint64_t culled = 0;
     };
 
@@ -56,8 +58,12 @@ class ScanWalk {
         return shareBegin(rays, share, shareCount_);
     }
     void countEndCells();
+    void sortByDirection();
 
     const RayBundle<Dim>* rays_ = nullptr;
+    std::optional<RayBundle<Dim>> sorted_;  // the same rays, for several threads
+    std::vector<std::uint32_t> order_;
+    std::vector<std::size_t> parts_;  // first ray of each, and the end
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
 };
