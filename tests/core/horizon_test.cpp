@@ -102,11 +102,10 @@ TYPED_TEST(HorizonOf, DirectionsAreThoseOfTheLines) {
                 ASSERT_LT(tile, 1u << (kLevels * (Dim - 1)));
                 for (int a = 0; a < Dim; ++a) {
                     if (a == line.dominant) continue;
-                    const double at = static_cast<double>(line.slope[a]) / kUnitsPerCell *
-                                      (1 << kLevels);
+                    const double at =
+                        static_cast<double>(line.slope[a]) / kUnitsPerCell * (1 << kLevels);
                     const auto number = static_cast<double>(tile & ((1u << kLevels) - 1));
-                    const double margin =
-                        RayDirections<Dim>::kSlopeMargin * (1 << kLevels);
+                    const double margin = RayDirections<Dim>::kSlopeMargin * (1 << kLevels);
                     ASSERT_GE(at, number - margin);
                     ASSERT_LE(at, number + 1 + margin);
                     tile >>= kLevels;
@@ -136,9 +135,8 @@ TYPED_TEST(HorizonOf, AnOpenCellIsNotedInTheTilesOfAllItsRays) {
                 forEachFreeCell(line, [&](const Cell<Dim>& c) {
                     if (at++ == wanted) open = c;
                 });
-                const std::int32_t slice =
-                    (open[line.dominant] ^ line.flip[line.dominant]) -
-                    line.first[line.dominant];
+                const std::int32_t slice = (open[line.dominant] ^ line.flip[line.dominant]) -
+                                           line.first[line.dominant];
                 BlockMask<Dim> mask;
                 mask.set(indexInBlock<Dim>(open));
                 horizon.clear();
@@ -183,8 +181,8 @@ void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
     region.build(g.cellOf(scan.commonOrigin()), state, nullptr, horizon, mostWork);
     for (std::size_t i = 0; i < scan.size(); ++i) {
         const RayLine<Dim> line = lineOf(scan, i);
-        const std::int32_t from = std::min<std::int32_t>(horizon.firstOpen(d.tile[i]),
-                                                         line.slices());
+        const std::int32_t from =
+            std::min<std::int32_t>(horizon.firstOpen(d.tile[i]), line.slices());
         forEachFreeCell(line, 0, from, [&](const Cell<Dim>& c) {
             ++skipped;
             const auto block = state.ownBatchBlock(blockOf<Dim>(c));
@@ -236,8 +234,8 @@ TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
                 ASSERT_EQ(ends.local(i), static_cast<unsigned>(indexInBlock<Dim>(end)));
                 if (d.tile[i] == d.tiles.lone()) continue;
                 const RayLine<Dim> line = lineOf(scan, i);
-                const auto from = static_cast<std::int32_t>(
-                    i % static_cast<std::size_t>(line.slices() + 1));
+                const auto from =
+                    static_cast<std::int32_t>(i % static_cast<std::size_t>(line.slices() + 1));
                 expected.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
                 walkPortable(expected, line, from, line.slices());
                 expected.flush(1);
@@ -262,8 +260,8 @@ TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
                 const auto own = got.ownBatchBlock(expected.batch.key(b));
                 ASSERT_TRUE(own);
                 const std::uint8_t* const counts = expected.batch.misses(b);
-                ASSERT_TRUE(std::equal(counts, counts + kBlockCells<Dim>,
-                                       got.batch.misses(*own)));
+                ASSERT_TRUE(
+                    std::equal(counts, counts + kBlockCells<Dim>, got.batch.misses(*own)));
                 for (std::uint32_t least : {1u, 5u, 255u}) {
                     const BlockMask<Dim> mask = kernels.atLeast(counts, least);
                     for (int i = 0; i < kBlockCells<Dim>; ++i)

@@ -82,7 +82,8 @@ void Horizon<Dim>::openAll() {
 template <int Dim>
 void Horizon<Dim>::completeOpen() {
     for (std::uint32_t left = used_; left != 0; left &= left - 1) {
-        Slice* const kind = open_.data() + perKind_ * static_cast<unsigned>(__builtin_ctz(left));
+        Slice* const kind =
+            open_.data() + perKind_ * static_cast<unsigned>(__builtin_ctz(left));
         for (int level = tiles_.levels; level > 0; --level) {
             Slice* fine = kind + levelBegin_[static_cast<std::size_t>(level - 1)];
             const Slice* coarse = kind + levelBegin_[static_cast<std::size_t>(level)];
@@ -168,10 +169,10 @@ void Horizon<Dim>::forEachSight(const BlockKey<Dim>& block, const Visit& visit) 
                 const float low = (s.near[a] - kLag) * perFar - kSlopeError;
                 const float high = (s.far[a] + kLag) * perNear + kSlopeError;
                 seen &= low <= 1;
-                s.low[m] = static_cast<std::uint32_t>(
-                    std::clamp(low * tilesPerAxis, 0.0f, lastTile));
-                s.high[m] = static_cast<std::uint32_t>(
-                    std::clamp(high * tilesPerAxis, 0.0f, lastTile));
+                s.low[m] =
+                    static_cast<std::uint32_t>(std::clamp(low * tilesPerAxis, 0.0f, lastTile));
+                s.high[m] =
+                    static_cast<std::uint32_t>(std::clamp(high * tilesPerAxis, 0.0f, lastTile));
                 ++m;
             }
             if (seen && !visit(s)) return;
@@ -244,8 +245,8 @@ void Horizon<Dim>::openSeen(const BlockSight& s, const BlockKey<Dim>& block,
                 const float lowTile = (from * perFar[i] - kSlopeError) * tilesPerAxis;
                 const float highTile = (to * perNear[i] + kSlopeError) * tilesPerAxis;
                 // Beyond the last tile: seen by none.
-                low[m][j][i] = static_cast<std::uint16_t>(
-                    std::clamp(lowTile, 0.0f, tilesPerAxis + 1));
+                low[m][j][i] =
+                    static_cast<std::uint16_t>(std::clamp(lowTile, 0.0f, tilesPerAxis + 1));
                 high[m][j][i] =
                     static_cast<std::uint16_t>(std::clamp(highTile, 0.0f, lastTile));
             }

@@ -13,8 +13,8 @@
 
 namespace superray {
 
-/// The farthest cells and the first slice of each tile. Both are kept in a pyramid, so that something
-/// near, which covers many tiles, is looked up or noted in a few coarse ones.
+/// The farthest cells and the first slice of each tile. Both are kept in a pyramid, so that
+/// something near, which covers many tiles, is looked up or noted in a few coarse ones.
 template <int Dim>
 class Horizon {
  public:
@@ -58,10 +58,10 @@ class Horizon {
     struct BlockSight {
         std::uint32_t kind;
         int dominant;
-        bool back[Dim];                  ///< per axis: runs backwards
-        std::int32_t nearest[Dim];       ///< cells from the sensor's cell, >= 0
-        float near[Dim], far[Dim];       ///< from the origin [cells]
-        std::uint32_t low[2], high[2];   ///< tiles that see it, per minor axis
+        bool back[Dim];                 ///< per axis: runs backwards
+        std::int32_t nearest[Dim];      ///< cells from the sensor's cell, >= 0
+        float near[Dim], far[Dim];      ///< from the origin [cells]
+        std::uint32_t low[2], high[2];  ///< tiles that see it, per minor axis
     };
     template <typename Visit>
     void forEachSight(const BlockKey<Dim>& block, const Visit& visit) const;

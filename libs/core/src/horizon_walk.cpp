@@ -10,8 +10,7 @@ namespace {
 /// Rays are told apart by their number modulo a prime, so that those of a class are
 /// spread over rows and columns of any sensor. Some of the classes are walked
 /// first: what these saturate, the others are spared.
-constexpr std::size_t kClasses = 37, kFirstClasses = 4, kBetweenFirst = 14,
-                      kLaterClass = 21;
+constexpr std::size_t kClasses = 37, kFirstClasses = 4, kBetweenFirst = 14, kLaterClass = 21;
 
 /// Looking around again must be likely to save so many times its work.
 constexpr double kWorthIt = 4;

@@ -15,8 +15,7 @@ BlockMask<Dim> dilated(const BlockMask<Dim>& cells) {
     constexpr int kWords = BlockMask<Dim>::kWords;
     for (int w = 0; w < kWords; ++w) {
         const std::uint64_t c = cells.words[w];
-        std::uint64_t more =
-            (c & ~kHighColumn) << 1 | (c & ~kLowColumn) >> 1 | c << 8 | c >> 8;
+        std::uint64_t more = (c & ~kHighColumn) << 1 | (c & ~kLowColumn) >> 1 | c << 8 | c >> 8;
         if (w > 0) more |= cells.words[w - 1];
         if (w + 1 < kWords) more |= cells.words[w + 1];
         out.words[w] = more;
@@ -84,7 +83,8 @@ BlockMask<Dim> acrossFace(const BlockMask<Dim>& cells, int axis, int step) {
     const int shift = axis == 0 ? 7 : 56;
     const std::uint64_t low = axis == 0 ? kLowColumn : 0xFF;
     for (int w = 0; w < kWords; ++w)
-        out.words[w] = step > 0 ? cells.words[w] >> shift & low : (cells.words[w] & low) << shift;
+        out.words[w] =
+            step > 0 ? cells.words[w] >> shift & low : (cells.words[w] & low) << shift;
     return out;
 }
 

@@ -111,8 +111,7 @@ void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
 template <int Dim>
 void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const SensorModel& model,
                                     UpdatePolicy policy) {
-    const bool sorting =
-        shareCount_ > 1 && typicalLength(*rays_, 0, rays_->size()) > kLongRay;
+    const bool sorting = shareCount_ > 1 && typicalLength(*rays_, 0, rays_->size()) > kLongRay;
     if (sorting) {
         sortByDirection();
     } else {

@@ -6,8 +6,8 @@
 #include <superray/core/parallel.h>
 #include <superray/core/super_rays.h>
 
-#include "horizon_walk.h"
 #include "end_cells.h"
+#include "horizon_walk.h"
 #include "ray_walker.h"
 #include "scan_extent.h"
 

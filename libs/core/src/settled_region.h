@@ -29,9 +29,8 @@ class SettledRegion {
     /// \param map may be nullptr
     /// \param mostWork where about so much work is done, the region ends: the cells
     ///        beside it are noted as if they were open
-    void build(const Cell<Dim>& sensor, WalkState<Dim>& state,
-               const SaturationSource<Dim>* map, Horizon<Dim>& horizon,
-               std::uint64_t mostWork);
+    void build(const Cell<Dim>& sensor, WalkState<Dim>& state, const SaturationSource<Dim>* map,
+               Horizon<Dim>& horizon, std::uint64_t mostWork);
 
     /// Work of the last build(), about as many times as long as visiting a cell
     /// of a ray.
@@ -41,7 +40,7 @@ class SettledRegion {
     struct Block {
         BlockKey<Dim> key;
         BlockMask<Dim> settled, reached, open;
-        BlockMask<Dim> noted;  // of `open`, in the horizon
+        BlockMask<Dim> noted;      // of `open`, in the horizon
         BlockMask<Dim> saturated;  // by the map; once known
         std::uint32_t build = 0;   // the last one that came here
         bool queued = false, relevant = false, knowsMap = false;

@@ -89,9 +89,8 @@ class Parts {
         const __m256i plain = _mm256_xor_si256(cells, flip_);
         const __m256i local = _mm256_and_si256(plain, _mm256_set1_epi32(7));
         const __m256i parity = _mm256_and_si256(plain, _mm256_set1_epi32(8));
-        return _mm256_or_si256(
-            _mm256_slli_epi32(local, kBlockBits * axis + kPickBits),
-            _mm256_srli_epi32(parity, kBlockBits - minor));
+        return _mm256_or_si256(_mm256_slli_epi32(local, kBlockBits * axis + kPickBits),
+                               _mm256_srli_epi32(parity, kBlockBits - minor));
     }
 
  private:

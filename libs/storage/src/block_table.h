@@ -57,7 +57,8 @@ class BlockTable {
         for (const Entry& page : pages_) {
             if (page.key == kFree) continue;
             for (std::uint32_t i = 0; i < kPageBlocks; ++i)
-                if (const std::uint32_t slot = slots_[page.number * std::size_t{kPageBlocks} + i];
+                if (const std::uint32_t slot =
+                        slots_[page.number * std::size_t{kPageBlocks} + i];
                     slot != kNone)
                     visit(keyOf(page.key, i), slot);
         }
@@ -80,7 +81,8 @@ class BlockTable {
     static std::uint64_t pageOf(const BlockKey<Dim>& key) {
         std::uint64_t p = 0;
         for (int a = Dim - 1; a >= 0; --a)
-            p = (p << kAxisBits) | static_cast<std::uint32_t>(key[a] + kBlockLimit) >> kPageBits;
+            p = (p << kAxisBits) |
+                static_cast<std::uint32_t>(key[a] + kBlockLimit) >> kPageBits;
         return p;
     }
     static std::size_t slotIndex(const Entry& page, const BlockKey<Dim>& key) {
