@@ -237,6 +237,35 @@ TYPED_TEST(Equivalence, HugeExtentsUseTheSparseDirectory) {
     expectSameBits<Dim>(map.cells, reference.cells());
 }
 
+// From one end of the addressable cells to the other, often enough to settle them;
+// then another way, which parts from the first at its far end.
+TYPED_TEST(Equivalence, TheLongestRaysHaveSomethingToTellAtTheirEnds) {
+    constexpr int Dim = TypeParam::value;
+    const CellGeometry<Dim> g(0.01);
+    const SensorModel model;
+    const Point<Dim> origin = Point<Dim>::Constant((-kCellLimit + 0.5) * 0.01);
+    ReferenceMapper<Dim> reference(model);
+    ScanIntegrator<Dim> integrator;
+    TestMap<Dim> map;
+    std::uint64_t culled = 0;
+    for (int s = 0; s < 12; ++s) {
+        RayBundle<Dim> scan(g, origin);
+        for (const std::int32_t cells : {40000, 2 * kCellLimit - 2, 2 * kCellLimit - 1}) {
+            Point<Dim> end = origin;
+            end[0] += 0.01 * cells;
+            for (int a = 1; a < Dim; ++a) end[a] += 0.01 * (s < 6 ? 0.3 : 1.2);
+            scan.add(end);
+        }
+        ASSERT_EQ(scan.size(), 3u);
+        reference.insert(scan);
+        map.apply(integrator.integrate(scan, model, {}, &map), model, UpdatePolicy::everyRay);
+        culled += integrator.statistics().raysCulled;
+    }
+    EXPECT_GT(reference.cells().size(), 65000u);
+    EXPECT_GT(culled, 0u);
+    expectSameBits<Dim>(map.cells, reference.cells());
+}
+
 TYPED_TEST(Equivalence, EmptyScanTouchesNothing) {
     constexpr int Dim = TypeParam::value;
     ScanIntegrator<Dim> integrator;

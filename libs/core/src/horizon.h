@@ -81,8 +81,7 @@ class Horizon {
     std::vector<std::uint32_t> levelBegin_;
     std::vector<Extent> reach_;  // largest, axis by axis
     std::vector<Slice> open_;
-    /// Per tile of coarse levels: the farthest slice that is not behind an open
-    /// cell, + 1.
+    /// The farthest slice that rays reach and that is not behind an open cell, + 1.
     std::vector<Slice> limit_;
     std::uint32_t opened_ = 0;  // tiles since the limits were computed
 };

@@ -75,6 +75,8 @@ struct RayDirections {
     std::vector<Extent> extent;  ///< of the end cell
 
     static constexpr float kLeastLength = 1.0f / 64;  ///< [cells]
+    /// Slices of longer rays might not fit the horizon's 16 bits [cells].
+    static constexpr float kGreatestLength = 65000;
     static constexpr float kLeastExtent = 1.0f / (1 << 24);
     static constexpr float kCertain = 1 - 1.0f / (1 << 19);  ///< slopes below are minor
     /// Tiles are those of slopes in single precision, off the exact ones by less.
