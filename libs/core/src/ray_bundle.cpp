@@ -69,7 +69,7 @@ void RayBundle<Dim>::addPoints(const Scalar* ends, std::size_t count) {
     static const CopyPoints<Dim, Scalar> copyPoints = bestPointKernels<Dim>().copy(Scalar{});
     // Where all points of a batch are good, which is the rule, they are copied as
     // they are; else they are taken one by one.
-    constexpr std::size_t kBatch = 256;
+    constexpr std::size_t kBatch = 512;
     reserve(size() + count);
     for (std::size_t first = 0; first < count; first += kBatch) {
         const std::size_t n = std::min(kBatch, count - first);

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
+#include <type_traits>
 
 #define SUPERRAY_TARGET __attribute__((target("avx2")))
 
@@ -136,6 +138,7 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 //
 #include "find_ends.inc"
 //
+#define SUPERRAY_POINT_LANES 4
 #include "copy_points.inc"
 //
 #include "at_least.inc"

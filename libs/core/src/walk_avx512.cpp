@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
+#include <type_traits>
 
 #define SUPERRAY_TARGET \
     __attribute__((target("avx2,avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
@@ -112,6 +114,7 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 //
 #include "find_ends.inc"
 //
+#define SUPERRAY_POINT_LANES 16
 #include "copy_points.inc"
 //
 #include "at_least.inc"

@@ -2,13 +2,17 @@
 
 #include "point_kernels.h"
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
+#include <type_traits>
 
 #define SUPERRAY_TARGET
 #include "find_directions.inc"
 //
 #include "find_ends.inc"
 //
+#define SUPERRAY_POINT_LANES 4
 #include "copy_points.inc"
 
 namespace superray {
