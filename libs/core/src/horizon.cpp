@@ -34,10 +34,44 @@ void Horizon<Dim>::reset(const DirectionTiles<Dim>& tiles, const Units<Dim>& ori
 }
 
 template <int Dim>
-void Horizon<Dim>::use(std::uint32_t kind) {
-    used_ |= 1u << kind;
-    const auto first = static_cast<std::ptrdiff_t>(kind * perKind_);
-    std::fill_n(reach_.begin() + first, perKind_, Extent{});
+void Horizon<Dim>::use(std::uint32_t kinds) {
+    for (std::uint32_t left = kinds & ~used_; left != 0; left &= left - 1)
+        std::fill_n(reach_.begin() + static_cast<std::ptrdiff_t>(
+                                         perKind_ * static_cast<unsigned>(__builtin_ctz(left))),
+                    perKind_, Extent{});
+    used_ |= kinds;
+}
+
+template <int Dim>
+void Horizon<Dim>::addRays(const std::uint32_t* tiles, const RayEnds& ends,
+                           std::size_t count) {
+    use(ends.kinds);
+    reachGrows_.learn(reachGrows_.unpredictable()
+                          ? addInTurns<Branches::none>(tiles, ends, count)
+                          : addInTurns<Branches::predicted>(tiles, ends, count),
+                      count);
+}
+
+template <int Dim>
+template <Branches branches>
+std::size_t Horizon<Dim>::addInTurns(const std::uint32_t* tiles, const RayEnds& ends,
+                                     std::size_t count) {
+    std::size_t changes = 0;
+    const auto add = [&](std::size_t i) {
+        Extent& reach = reach_[tiles[i]];  // that of the lone tile is not used
+        const bool change = !ends.extent[i].within(reach);
+        changes += change;
+        if (branches == Branches::none || change) reach = reach.joined(ends.extent[i]);
+    };
+    const std::size_t quarter = count / 4;
+    for (std::size_t i = 0; i < quarter; ++i) {
+        add(i);
+        add(quarter + i);
+        add(2 * quarter + i);
+        add(3 * quarter + i);
+    }
+    for (std::size_t i = 4 * quarter; i < count; ++i) add(i);
+    return changes;
 }
 
 template <int Dim>
@@ -45,6 +79,8 @@ void Horizon<Dim>::completeReach() {
     for (std::uint32_t left = used_; left != 0; left &= left - 1) {
         Extent* const kind =
             reach_.data() + perKind_ * static_cast<unsigned>(__builtin_ctz(left));
+        for (std::uint32_t t = 0; t < levelBegin_.data()[1]; ++t)
+            tilesWithRays_ += kind[t] != Extent();
         for (int level = 1; level <= tiles_.levels; ++level) {
             const Extent* fine = kind + levelBegin_[static_cast<std::size_t>(level - 1)];
             Extent* coarse = kind + levelBegin_[static_cast<std::size_t>(level)];

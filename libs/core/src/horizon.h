@@ -6,6 +6,7 @@
 #include <superray/core/ray_line.h>
 
 #include "ray_directions.h"
+#include "surprise.h"
 
 #include <algorithm>
 #include <limits>
@@ -24,15 +25,8 @@ class Horizon {
     /// No rays yet. \param origin of the rays [units]
     void reset(const DirectionTiles<Dim>& tiles, const Units<Dim>& origin);
 
-    void addRay(std::uint32_t tile, Extent extent) {
-        if (tile == tiles_.lone()) return;
-        const std::uint32_t kind = tiles_.kindOf(tile);
-        if ((used_ >> kind & 1) == 0) use(kind);
-        // Seldom true, so waiting for the last store is spared.
-        if (extent.within(reach_[tile])) return;
-        tilesWithRays_ += reach_[tile] == Extent();
-        reach_[tile] = reach_[tile].joined(extent);
-    }
+    /// Adds `count` rays in a row.
+    void addRays(const std::uint32_t* tiles, const RayEnds& ends, std::size_t count);
     /// Tiles in which rays leave the sensor's cell.
     std::size_t tilesWithRays() const { return tilesWithRays_; }
     /// After the last ray, before the first question.
@@ -70,11 +64,14 @@ class Horizon {
     void openTiles(std::uint32_t firstTile, const std::uint32_t* low, const std::uint32_t* high,
                    Extent extent, Slice slice);
     void completeLimits();
-    void use(std::uint32_t kind);
+    template <Branches branches>
+    std::size_t addInTurns(const std::uint32_t* tiles, const RayEnds& ends, std::size_t count);
+    void use(std::uint32_t kinds);
 
     DirectionTiles<Dim> tiles_;
     std::uint32_t perKind_ = 0;
     std::size_t tilesWithRays_ = 0;
+    Surprise reachGrows_;
     std::uint32_t used_ = 0;  // bit per kind
     Cell<Dim> sensor_{};
     float within_[Dim] = {};  // of the origin in its cell

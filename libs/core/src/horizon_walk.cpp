@@ -48,12 +48,15 @@ void HorizonWalk<Dim>::walk(std::size_t first, std::size_t last) {
     const std::size_t count = last - first;
     chooseTiles(first, last);
     directions_.resize(count);
-    kernels_.findDirections(*rays_, first, last, directions_);
     horizon_.reset(directions_.tiles, origin_);
-    for (std::size_t i = 0; i < count; ++i)
-        horizon_.addRay(directions_.tile[i], directions_.extent[i]);
+    for (std::size_t at = 0; at < count; at += RayEnds::kMost) {
+        const std::size_t n = std::min(RayEnds::kMost, count - at);
+        kernels_.findDirections(*rays_, first + at, n, state_->directory, directions_, at, ends_);
+        horizon_.addRays(directions_.tile.data() + at, ends_, n);
+        countHits(first + at, n);
+    }
     horizon_.completeReach();
-    addHits(first, last);
+    state_->settleSureHits();
 
     region_.reset(state_->directory.box());
     lookAround(count);
@@ -93,7 +96,7 @@ double HorizonWalk<Dim>::slicesOfClass(std::size_t c, std::size_t count) const {
 /// The slice in which a ray of the part ends.
 template <int Dim>
 std::int32_t HorizonWalk<Dim>::lastSlice(std::size_t ray) const {
-    return directions_.extent[ray][directions_.tiles.kindOf(directions_.tile[ray]) & 3];
+    return directions_.aim[ray][2];
 }
 
 /// Whether a ray of the part has something to tell, as far as the horizon knows.
@@ -165,42 +168,63 @@ void HorizonWalk<Dim>::walkLanes(RayLanes& lanes) {
     lanes.count = 0;
 }
 
-/// Counts hits. Cells with enough of them need no misses any more.
+/// Counts the hits of the rays of ends_.
 template <int Dim>
-void HorizonWalk<Dim>::addHits(std::size_t first, std::size_t last) {
-    const bool dense = state_->directory.dense();
-    if (dense) {
-        ends_.resize(last - first);
-        kernels_.findEnds(*rays_, first, last, state_->directory, ends_);
+void HorizonWalk<Dim>::countHits(std::size_t first, std::size_t count) {
+    if (state_->directory.dense()) {
+        hitsMatter_.learn(hitsMatter_.unpredictable()
+                              ? countInTurns<Branches::none>(first, count)
+                              : countInTurns<Branches::predicted>(first, count),
+                          count);
+        return;
     }
-    const RayEnd* const kinds = rays_->kinds();
-    BlockKey<Dim> current{};
-    std::uint8_t *hits = nullptr, *misses = nullptr;  // consecutive points share blocks
-    std::uint32_t block = 0;
-    for (std::size_t i = first; i < last; ++i) {
-        if (kinds[i] != RayEnd::hit) continue;
-        std::size_t local;
-        bool same = hits != nullptr;
-        if (dense) {
-            same &= ends_.block(i - first) == block;
-            block = ends_.block(i - first);
-            local = ends_.local(i - first);
-        } else {
-            const Cell<Dim> cell = rays_->geometry().cellOf(rays_->end(i));
-            same &= blockOf<Dim>(cell) == current;
-            current = blockOf<Dim>(cell);
-            local = static_cast<std::size_t>(indexInBlock<Dim>(cell));
-        }
-        if (!same) {
-            if (dense) current = blockOf<Dim>(rays_->geometry().cellOf(rays_->end(i)));
-            const std::uint32_t own = state_->batchBlock(current);
-            hits = state_->batch.hitsOf(own);
-            misses = state_->batch.missesOf(own);
-        }
-        // More change nothing, and need not wait for the last store.
-        if (state_->sureHit(hits[local])) continue;
-        if (state_->sureHit(++hits[local])) misses[local] = UpdateBatch<Dim>::kMaxCount;
+    for (std::size_t i = first; i < first + count; ++i) {
+        if (rays_->kind(i) != RayEnd::hit) continue;
+        const Cell<Dim> cell = rays_->geometry().cellOf(rays_->end(i));
+        std::uint8_t& hits =
+            state_->hitsOf(blockOf<Dim>(cell))[indexInBlock<Dim>(cell)];
+        if (!state_->sureHit(hits)) ++hits;
     }
+}
+
+/// Neighbours often end in the same cell, and would wait for each other's stores: so
+/// rays are taken from several places in turn.
+/// \return number of hits that changed something
+template <int Dim>
+template <Branches branches>
+std::size_t HorizonWalk<Dim>::countInTurns(std::size_t first, std::size_t count) {
+    const RayEnd* const kinds = rays_->kinds() + first;
+    struct Place {
+        std::uint32_t block = ~std::uint32_t{0};  // consecutive points share blocks
+        std::size_t offset = 0;
+    };
+    Place places[4];
+    std::uint8_t* arena = nullptr;
+    std::size_t changes = 0;
+    const auto add = [&](Place& place, std::size_t i) {
+        if (kinds[i] != RayEnd::hit) return;
+        if (ends_.block[i] != place.block) {
+            place.block = ends_.block[i];
+            const Cell<Dim> cell = rays_->geometry().cellOf(rays_->end(first + i));
+            const std::uint8_t* const hits = state_->hitsOf(blockOf<Dim>(cell));
+            arena = state_->batch.hitArena();
+            place.offset = static_cast<std::size_t>(hits - arena);
+        }
+        std::uint8_t& hits = arena[place.offset + ends_.local[i]];
+        const bool change = !state_->sureHit(hits);
+        changes += change;
+        if (branches == Branches::none || change)
+            hits = static_cast<std::uint8_t>(hits + change);
+    };
+    const std::size_t quarter = count / 4;
+    for (std::size_t i = 0; i < quarter; ++i) {
+        add(places[0], i);
+        add(places[1], quarter + i);
+        add(places[2], 2 * quarter + i);
+        add(places[3], 3 * quarter + i);
+    }
+    for (std::size_t i = 4 * quarter; i < count; ++i) add(places[3], i);
+    return changes;
 }
 
 template class HorizonWalk<2>;

@@ -2,7 +2,6 @@
 // Method `auto`: each ray is walked from where it has something to tell, as far as
 // the map and the rays before it leave something to be told.
 
-#include "end_addresses.h"
 #include "settled_region.h"
 #include "walk_kernel.h"
 
@@ -32,7 +31,9 @@ class HorizonWalk {
  private:
     // Numbers of rays are among the part that walk() is at; `count` is its size.
     void chooseTiles(std::size_t first, std::size_t last);
-    void addHits(std::size_t first, std::size_t last);
+    void countHits(std::size_t first, std::size_t count);
+    template <Branches branches>
+    std::size_t countInTurns(std::size_t first, std::size_t count);
     void lookAround(std::size_t count);
     void walkFirst(std::size_t count, bool* done);
     std::int32_t lastSlice(std::size_t ray) const;
@@ -49,7 +50,8 @@ class HorizonWalk {
     Units<Dim> origin_{};
     std::size_t first_ = 0;  // ray that the part begins with
     RayDirections<Dim> directions_;
-    EndAddresses<Dim> ends_;
+    RayEnds ends_;
+    Surprise hitsMatter_;
     std::vector<std::uint32_t> chosen_;
     Horizon<Dim> horizon_;
     SettledRegion<Dim> region_;

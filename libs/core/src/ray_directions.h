@@ -3,41 +3,23 @@
 
 #include <superray/core/ray_bundle.h>
 
+#include "block_directory.h"
+#include "packed_triple.h"
+
+#include <algorithm>
+#include <array>
 #include <vector>
 
 namespace superray {
 
 /// How many cells from the sensor's cell, per axis; without a sign, for that is
-/// the kind's. Three numbers in one word, each with a bit above it to compare all
-/// of them at once.
-class Extent {
- public:
-    static constexpr int kBits = 21;
+/// the kind's.
+using Extent = PackedTriple;
 
-    Extent() = default;
-    explicit Extent(std::uint64_t packed) : packed_(packed) {}
-    /// \param cells 0 <= cells < 2^20
-    void set(int axis, std::int32_t cells) {
-        packed_ |= std::uint64_t{static_cast<std::uint32_t>(cells)} << (kBits * axis);
-    }
-    std::int32_t operator[](std::uint32_t axis) const {
-        return static_cast<std::int32_t>(packed_ >> (kBits * axis) & (kAbove - 1));
-    }
-    bool operator==(Extent o) const { return packed_ == o.packed_; }
-    /// On every axis not farther than the other.
-    bool within(Extent o) const { return (((o.packed_ | kAll) - packed_) & kAll) == kAll; }
-    /// The farther one on each axis.
-    Extent joined(Extent o) const {
-        const std::uint64_t others = ((o.packed_ | kAll) - packed_) & kAll;
-        const std::uint64_t mask = others - (others >> (kBits - 1));  // whole fields
-        return Extent((o.packed_ & mask) | (packed_ & ~mask));
-    }
-
- private:
-    static constexpr std::uint64_t kAbove = std::uint64_t{1} << (kBits - 1);
-    static constexpr std::uint64_t kAll = kAbove | kAbove << kBits | kAbove << (2 * kBits);
-    std::uint64_t packed_ = 0;
-};
+/// What a ray is compared with open cells by: the slopes of its minor axes in
+/// steps of 2^-kAimBits (in 2D, the second is 0), and the slice in which it ends.
+using Aim = PackedTriple;
+inline constexpr int kAimBits = 16;
 
 /// Directions as seen from the common origin of a scan. The kind of a ray is its
 /// dominant axis, + 4 * (bit a: axis a runs backwards). Of each kind, a square of
@@ -72,7 +54,7 @@ template <int Dim>
 struct RayDirections {
     DirectionTiles<Dim> tiles;
     std::vector<std::uint32_t> tile;
-    std::vector<Extent> extent;  ///< of the end cell
+    std::vector<Aim> aim;
 
     static constexpr float kLeastLength = 1.0f / 64;  ///< [cells]
     /// Slices of longer rays might not fit the horizon's 16 bits [cells].
@@ -84,14 +66,26 @@ struct RayDirections {
 
     void resize(std::size_t n) {
         tile.resize(n);
-        extent.resize(n);
+        aim.resize(n);
     }
 };
 
-/// Of the rays [begin, end), to out from 0 on.
-/// \pre out.resize(end - begin) was called, out.tiles is set
+/// Where some rays in a row end.
+struct RayEnds {
+    static constexpr std::size_t kMost = 1024;  ///< rays: as many as the L1 cache holds
+
+    std::array<Extent, kMost> extent;
+    std::array<std::uint32_t, kMost> block;  ///< BlockDirectory::indexOf(), if it is dense
+    std::array<std::uint16_t, kMost> local;  ///< index of the cell in its block
+    std::uint32_t kinds;                     ///< bit k: there are rays of kind k
+};
+
+/// Of `count` rays from `first` on, to out from `at` on.
+/// \param directory covers the scan
+/// \pre count <= RayEnds::kMost; out.resize() was called, out.tiles is set
 template <int Dim>
-using FindDirections = void (*)(const RayBundle<Dim>& rays, std::size_t begin, std::size_t end,
-                                RayDirections<Dim>& out);
+using FindDirections = void (*)(const RayBundle<Dim>& rays, std::size_t first,
+                                std::size_t count, const BlockDirectory<Dim>& directory,
+                                RayDirections<Dim>& out, std::size_t at, RayEnds& ends);
 
 }  // namespace superray

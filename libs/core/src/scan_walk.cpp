@@ -143,8 +143,12 @@ void ScanWalk<Dim>::sortByDirection() {
     inParallel(shareCount_, [&](std::size_t s) {
         RayDirections<Dim>& directions = shares_[s].directions;
         directions.tiles.levels = 1;
-        directions.resize(firstRay(s + 1, count) - firstRay(s, count));
-        findDirections(*rays_, firstRay(s, count), firstRay(s + 1, count), directions);
+        const std::size_t first = firstRay(s, count), rays = firstRay(s + 1, count) - first;
+        directions.resize(rays);
+        RayEnds ends;
+        for (std::size_t at = 0; at < rays; at += RayEnds::kMost)
+            findDirections(*rays_, first + at, std::min(RayEnds::kMost, rays - at),
+                           shares_[s].state.directory, directions, at, ends);
     });
     const auto forEachKind = [&](const auto& visit) {
         std::size_t ray = 0;

@@ -136,8 +136,6 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 //
 #include "find_directions.inc"
 //
-#include "find_ends.inc"
-//
 #define SUPERRAY_POINT_LANES 4
 #include "copy_points.inc"
 //
@@ -147,7 +145,7 @@ namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx2Kernels() {
-    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, findEnds<Dim>, atLeast<Dim>};
+    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, atLeast<Dim>};
 }
 
 template <int Dim>

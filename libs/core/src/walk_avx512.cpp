@@ -112,8 +112,6 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 //
 #include "find_directions.inc"
 //
-#include "find_ends.inc"
-//
 #define SUPERRAY_POINT_LANES 16
 #include "copy_points.inc"
 //
@@ -123,7 +121,7 @@ namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx512Kernels() {
-    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, findEnds<Dim>, atLeast<Dim>};
+    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, atLeast<Dim>};
 }
 
 template <int Dim>

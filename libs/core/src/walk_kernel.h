@@ -7,7 +7,6 @@
 #include <superray/core/update_batch.h>
 
 #include "block_directory.h"
-#include "end_addresses.h"
 #include "ray_directions.h"
 
 #include <algorithm>
@@ -70,12 +69,25 @@ struct WalkState {
         const bool once = policy == UpdatePolicy::oncePerScan;
         enough = once ? 1 : model.missesToSaturate();
         enoughUnknown = once ? 1 : model.missesToSaturateUnknown();
-        sureHits_ = once ? 1 : model.hitsToSaturate();
+        sureHits_ = static_cast<std::uint8_t>(once ? 1 : model.hitsToSaturate());
     }
-    /// Whether a cell with so many hits needs no misses any more (it ends up at
-    /// the upper clamp; with oncePerScan a hit is enough). Such cells may get the
-    /// greatest miss count, so that no walk need bother.
-    bool sureHit(std::uint32_t hits) const { return hits >= sureHits_; }
+    /// Hit counts of a block, which is made on first use.
+    std::uint8_t* hitsOf(const BlockKey<Dim>& key) { return batch.hitsOf(batchBlock(key)); }
+    /// Whether more hits change nothing.
+    bool sureHit(std::uint8_t hits) const { return hits >= sureHits_; }
+    /// Cells with so many hits that they end up at the upper clamp (with
+    /// oncePerScan, with any) need no misses any more: they get the greatest miss
+    /// count, so that no walk need bother.
+    void settleSureHits() {
+        for (std::size_t b = 0; b < batch.blockCount(); ++b) {
+            const std::uint8_t* const hits = batch.hits(b);
+            if (hits == nullptr) continue;
+            std::uint8_t* const misses = batch.missesOf(static_cast<std::uint32_t>(b));
+            for (int i = 0; i < kBlockCells<Dim>; ++i)
+                misses[i] = hits[i] >= sureHits_ ? std::uint8_t{UpdateBatch<Dim>::kMaxCount}
+                                                 : misses[i];
+        }
+    }
     /// Misses beyond which more change nothing, in blocks whose number has the
     /// flag kMayExceedUnknown and in others.
     static constexpr std::uint32_t kMayExceedUnknown = std::uint32_t{1} << 31;
@@ -170,7 +182,7 @@ struct WalkState {
 
     const SaturationSource<Dim>* map_ = nullptr;
     float lowerClamp_ = 0;
-    std::uint32_t sureHits_ = 0;
+    std::uint8_t sureHits_ = 0;
 };
 
 /// Appends the free cells of a ray from slice `from` on.
@@ -201,7 +213,6 @@ struct WalkKernels {
     WalkKernel<Dim> walk;
     WalkRays<Dim> walkRays;
     FindDirections<Dim> findDirections;
-    FindEnds<Dim> findEnds;
     AtLeast<Dim> atLeast;
 };
 

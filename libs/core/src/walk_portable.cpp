@@ -10,8 +10,6 @@
 #define SUPERRAY_TARGET
 #include "find_directions.inc"
 //
-#include "find_ends.inc"
-//
 #define SUPERRAY_POINT_LANES 4
 #include "copy_points.inc"
 
@@ -62,7 +60,7 @@ BlockMask<Dim> atLeast(const std::uint8_t* counts, std::uint32_t least) {
 
 template <int Dim>
 WalkKernels<Dim> portableKernels() {
-    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, findEnds<Dim>, atLeast<Dim>};
+    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, atLeast<Dim>};
 }
 
 template <int Dim>

@@ -39,6 +39,8 @@ class UpdateBatch {
     std::uint32_t addBlock(const BlockKey<Dim>& key);
     /// Zero-initialised hit counts of a block, made on first use.
     std::uint8_t* hitsOf(std::uint32_t block);
+    /// All hit counts: hitsOf() points into it until the next block gets some.
+    std::uint8_t* hitArena() { return hits_.data(); }
     std::uint8_t* missesOf(std::uint32_t block) { return misses_.data() + slot(block); }
     /// All miss counts, for walks: first those of no block, which are all
     /// kMaxCount (misses of blocks that need none go there), then block by block.

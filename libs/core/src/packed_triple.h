@@ -1,0 +1,39 @@
+#pragma once
+// Three small numbers in one word.
+
+#include <cstdint>
+
+namespace superray {
+
+/// Each number has a bit above it, so that all of them are compared at once.
+class PackedTriple {
+ public:
+    static constexpr int kBits = 21;
+
+    PackedTriple() = default;
+    explicit PackedTriple(std::uint64_t packed) : packed_(packed) {}
+    /// \pre the number is 0 so far; 0 <= value < 2^20
+    void set(int i, std::int32_t value) {
+        packed_ |= std::uint64_t{static_cast<std::uint32_t>(value)} << (kBits * i);
+    }
+    std::int32_t operator[](std::uint32_t i) const {
+        return static_cast<std::int32_t>(packed_ >> (kBits * i) & (kAbove - 1));
+    }
+    bool operator==(PackedTriple o) const { return packed_ == o.packed_; }
+    bool operator!=(PackedTriple o) const { return packed_ != o.packed_; }
+    /// Whether none of the numbers is greater than the other's.
+    bool within(PackedTriple o) const { return (((o.packed_ | kAll) - packed_) & kAll) == kAll; }
+    /// The greater ones.
+    PackedTriple joined(PackedTriple o) const {
+        const std::uint64_t others = ((o.packed_ | kAll) - packed_) & kAll;
+        const std::uint64_t mask = others - (others >> (kBits - 1));  // whole fields
+        return PackedTriple((o.packed_ & mask) | (packed_ & ~mask));
+    }
+
+ private:
+    static constexpr std::uint64_t kAbove = std::uint64_t{1} << (kBits - 1);
+    static constexpr std::uint64_t kAll = kAbove | kAbove << kBits | kAbove << (2 * kBits);
+    std::uint64_t packed_ = 0;
+};
+
+}  // namespace superray
