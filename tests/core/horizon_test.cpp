@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <numeric>
+
 #include "core/ray_generators.h"
 #include "settled_region.h"
 #include "walk_kernel.h"
@@ -52,22 +55,72 @@ RayLine<Dim> lineOf(const RayBundle<Dim>& scan, std::size_t ray) {
     return RayLine<Dim>(scan.geometry(), scan.commonOrigin(), scan.end(ray));
 }
 
+/// RayDirections of all rays from `first` on.
 template <int Dim>
-RayDirections<Dim> directionsOf(const RayBundle<Dim>& scan, int levels) {
-    RayDirections<Dim> directions;
-    directions.tiles.levels = levels;
-    directions.resize(scan.size());
-    bestKernels<Dim>().findDirections(scan, 0, scan.size(), directions);
-    return directions;
+struct ScanDirections {
+    DirectionTiles<Dim> tiles;
+    std::vector<std::uint32_t> tile;
+    std::vector<std::uint16_t> lastSlice;
+    std::vector<Extent> extent;
+    std::vector<std::uint32_t> block;
+    std::vector<std::uint16_t> local;
+    std::vector<std::uint32_t> runs;  ///< where they begin
+    std::uint32_t kinds = 0;
+};
+
+/// Calls use(first ray, number of rays, directions) for pieces of a scan.
+template <int Dim, typename Use>
+void inPieces(const WalkKernels<Dim>& kernels, const RayBundle<Dim>& scan, std::size_t first,
+              ScanDirections<Dim>& all, const Use& use) {
+    const BlockBox<Dim> box{blockOf<Dim>(scan.geometry().cellOf(scan.lowest())),
+                            blockOf<Dim>(scan.geometry().cellOf(scan.highest()))};
+    BlockDirectory<Dim> directory;
+    directory.reset(box);
+    all.tile.resize(scan.size() - first);
+    all.lastSlice.resize(scan.size() - first);
+    const auto piece = std::make_unique<RayDirections<Dim>>();
+    for (std::size_t at = first; at < scan.size(); at += RayDirections<Dim>::kMost) {
+        const std::size_t count = std::min(RayDirections<Dim>::kMost, scan.size() - at);
+        kernels.findDirections(scan, at, count, directory, all.tiles,
+                               all.tile.data() + (at - first),
+                               all.lastSlice.data() + (at - first), *piece);
+        use(at, count, *piece);
+    }
 }
 
 template <int Dim>
-Horizon<Dim> horizonOf(const RayBundle<Dim>& scan, const RayDirections<Dim>& directions) {
+ScanDirections<Dim> directionsOf(const RayBundle<Dim>& scan, int levels,
+                                 const WalkKernels<Dim>& kernels = bestKernels<Dim>(),
+                                 std::size_t first = 0) {
+    ScanDirections<Dim> all;
+    all.tiles.levels = levels;
+    inPieces(kernels, scan, first, all,
+             [&](std::size_t at, std::size_t count, const RayDirections<Dim>& d) {
+                 const auto n = static_cast<std::ptrdiff_t>(count);
+                 all.extent.insert(all.extent.end(), d.extent.begin(), d.extent.begin() + n);
+                 all.block.insert(all.block.end(), d.block.begin(), d.block.begin() + n);
+                 all.local.insert(all.local.end(), d.local.begin(), d.local.begin() + n);
+                 all.kinds |= d.kinds;
+                 std::vector<std::uint32_t> starts(count + 16);
+                 const std::size_t runs =
+                     kernels.findRuns(d, scan.kinds() + at, count, starts.data());
+                 for (std::size_t i = 0; i < runs; ++i)
+                     all.runs.push_back(static_cast<std::uint32_t>(at - first) + starts[i]);
+             });
+    return all;
+}
+
+template <int Dim>
+Horizon<Dim> horizonOf(const RayBundle<Dim>& scan, ScanDirections<Dim> directions) {
     Horizon<Dim> horizon;
     horizon.reset(directions.tiles,
                   RayLine<Dim>::unitsOf(scan.geometry(), scan.commonOrigin()));
-    for (std::size_t i = 0; i < scan.size(); ++i)
-        horizon.addRay(directions.tile[i], directions.extent[i]);
+    inPieces(bestKernels<Dim>(), scan, 0, directions,
+             [&](std::size_t, std::size_t count, const RayDirections<Dim>& d) {
+                 std::vector<std::uint32_t> rays(count);
+                 std::iota(rays.begin(), rays.end(), 0);
+                 horizon.addRays(d, rays.data(), count);
+             });
     horizon.completeReach();
     return horizon;
 }
@@ -80,10 +133,7 @@ TYPED_TEST(HorizonOf, DirectionsAreThoseOfTheLines) {
         const Cell<Dim> sensor = scan.geometry().cellOf(scan.commonOrigin());
         for (const WalkKernels<Dim>& kernels : allKernels<Dim>()) {
             const std::size_t first = 17;  // a part of the scan
-            RayDirections<Dim> d;
-            d.tiles.levels = kLevels;
-            d.resize(scan.size() - first);
-            kernels.findDirections(scan, first, scan.size(), d);
+            const ScanDirections<Dim> d = directionsOf(scan, kLevels, kernels, first);
             for (std::size_t i = 0; i < scan.size() - first; ++i) {
                 const Cell<Dim> end = scan.geometry().cellOf(scan.end(first + i));
                 for (int a = 0; a < Dim; ++a)
@@ -94,6 +144,7 @@ TYPED_TEST(HorizonOf, DirectionsAreThoseOfTheLines) {
                     continue;
                 }
                 ++certain;
+                ASSERT_EQ(d.lastSlice[i], d.extent[i][d.tiles.kindOf(d.tile[i]) & 3]);
                 const RayLine<Dim> line = lineOf(scan, first + i);
                 std::uint32_t kind = static_cast<std::uint32_t>(line.dominant);
                 for (int a = 0; a < Dim; ++a) kind |= line.flip[a] != 0 ? 4u << a : 0u;
@@ -123,7 +174,7 @@ TYPED_TEST(HorizonOf, AnOpenCellIsNotedInTheTilesOfAllItsRays) {
     std::size_t cells = 0, tiles = 0, noted = 0;
     forEachScene<Dim>([&](const RayBundle<Dim>& scan) {
         for (int levels : {2, 6}) {
-            const RayDirections<Dim> d = directionsOf(scan, levels);
+            const ScanDirections<Dim> d = directionsOf(scan, levels);
             Horizon<Dim> horizon = horizonOf(scan, d);
             for (std::size_t i = 0; i < scan.size(); i += 23) {
                 const RayLine<Dim> line = lineOf(scan, i);
@@ -174,7 +225,7 @@ void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
         walkPortable(state, line, 0, line.slices());
         state.flush(1);
     }
-    const RayDirections<Dim> d = directionsOf(scan, 5);
+    const ScanDirections<Dim> d = directionsOf(scan, 5);
     Horizon<Dim> horizon = horizonOf(scan, d);
     SettledRegion<Dim> region;
     region.reset(box);
@@ -214,7 +265,7 @@ TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
     std::size_t walked = 0, kernelsTried = 0;
     const std::size_t rays = forEachScene<Dim>([&](const RayBundle<Dim>& scan) {
         const CellGeometry<Dim>& g = scan.geometry();
-        const RayDirections<Dim> d = directionsOf(scan, 3);
+        const ScanDirections<Dim> d = directionsOf(scan, 3);
         const BlockBox<Dim> box{blockOf<Dim>(g.cellOf(scan.lowest())),
                                 blockOf<Dim>(g.cellOf(scan.highest()))};
         for (const WalkKernels<Dim>& kernels : allKernels<Dim>()) {
@@ -224,14 +275,13 @@ TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
                 state->reset(box);
                 state->countMapSaturation(nullptr, SensorModel(), UpdatePolicy::everyRay);
             }
-            EndAddresses<Dim> ends;
-            ends.resize(scan.size());
-            kernels.findEnds(scan, 0, scan.size(), got.directory, ends);
+            const ScanDirections<Dim> ends = directionsOf(scan, 3, kernels);
+            ASSERT_EQ(ends.tile, d.tile);
             std::array<RayLanes, DirectionTiles<Dim>::kKinds> waiting;
             for (std::size_t i = 0; i < scan.size(); ++i) {
                 const Cell<Dim> end = g.cellOf(scan.end(i));
-                ASSERT_EQ(ends.block(i), got.directory.indexOf(blockOf<Dim>(end)));
-                ASSERT_EQ(ends.local(i), static_cast<unsigned>(indexInBlock<Dim>(end)));
+                ASSERT_EQ(ends.block[i], got.directory.indexOf(blockOf<Dim>(end)));
+                ASSERT_EQ(ends.local[i], static_cast<unsigned>(indexInBlock<Dim>(end)));
                 if (d.tile[i] == d.tiles.lone()) continue;
                 const RayLine<Dim> line = lineOf(scan, i);
                 const auto from =
@@ -273,6 +323,69 @@ TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
     EXPECT_EQ(rays, std::size(test::kScenes) * kRays);
     EXPECT_EQ(kernelsTried, std::size(test::kScenes) * allKernels<Dim>().size());
     EXPECT_GT(walked, 100000u);
+}
+
+TYPED_TEST(HorizonOf, RunsAreRaysThatGoAndEndAlike) {
+    constexpr int Dim = TypeParam::value;
+    std::size_t runs = 0;
+    const std::size_t rays = forEachScene<Dim>([&](const RayBundle<Dim>& plain) {
+        // Each ray twice, once as a hit and once or more as another.
+        RayBundle<Dim> scan(plain.geometry(), plain.commonOrigin());
+        for (std::size_t i = 0; i < plain.size(); ++i)
+            for (std::size_t n = 0; n < 2 + i % 3; ++n)
+                scan.add(plain.end(i), n == 0 ? RayEnd::hit : RayEnd::open);
+        for (const WalkKernels<Dim>& kernels : allKernels<Dim>()) {
+            const ScanDirections<Dim> d = directionsOf(scan, 4, kernels);
+            std::vector<std::uint32_t> expected;
+            for (std::size_t i = 0; i < scan.size(); ++i) {
+                const bool same = i % RayDirections<Dim>::kMost != 0 &&
+                                  d.tile[i] == d.tile[i - 1] && d.tile[i] != d.tiles.lone() &&
+                                  d.extent[i] == d.extent[i - 1] &&
+                                  scan.kind(i) == scan.kind(i - 1);
+                if (!same) expected.push_back(static_cast<std::uint32_t>(i));
+            }
+            ASSERT_EQ(d.runs, expected);
+            runs += expected.size();
+            ASSERT_LT(expected.size(), scan.size());
+        }
+    });
+    EXPECT_EQ(rays, std::size(test::kScenes) * kRays);
+    EXPECT_GT(runs, rays);
+}
+
+TYPED_TEST(HorizonOf, ChoicesAreRaysWithSomethingToTell) {
+    constexpr int Dim = TypeParam::value;
+    constexpr std::size_t kTiles = 501;
+    Random random(4711);
+    std::size_t chosen = 0, sampled = 0;
+    for (std::size_t count : {0u, 1u, 15u, 16u, 17u, 5000u}) {
+        std::vector<std::uint16_t> open(kTiles + 1), last(count + 16);
+        std::vector<std::uint32_t> tile(count);
+        for (auto& o : open)
+            o = static_cast<std::uint16_t>(test::integer(random, 0, 1)
+                                               ? Horizon<Dim>::kNever
+                                               : test::integer(random, 0, 40000));
+        for (std::size_t i = 0; i < count; ++i) {
+            tile[i] = static_cast<std::uint32_t>(test::integer(random, 0, int{kTiles} - 1));
+            last[i] = static_cast<std::uint16_t>(test::integer(random, 0, 40000));
+        }
+        for (Choice choice : {Choice::sample, Choice::others, Choice::all}) {
+            std::vector<std::uint32_t> expected;
+            for (std::uint32_t i = 0; i < count; ++i)
+                if (open[tile[i]] <= last[i] &&
+                    (choice == Choice::all || isSampled(i) == (choice == Choice::sample)))
+                    expected.push_back(i);
+            for (const WalkKernels<Dim>& kernels : allKernels<Dim>()) {
+                std::vector<std::uint32_t> got(count + 16);
+                got.resize(kernels.chooseRays(tile.data(), last.data(), count, open.data(),
+                                              choice, got.data()));
+                ASSERT_EQ(got, expected);
+            }
+            (choice == Choice::sample ? sampled : chosen) += expected.size();
+        }
+    }
+    EXPECT_GT(chosen, 1000u);
+    EXPECT_GT(sampled, 100u);
 }
 
 TEST(Extent, ComparesAndJoinsAxisByAxis) {

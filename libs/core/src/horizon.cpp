@@ -24,7 +24,7 @@ void Horizon<Dim>::reset(const DirectionTiles<Dim>& tiles, const Units<Dim>& ori
     levelBegin_.clear();
     for (int l = 0; l <= tiles.levels; ++l) levelBegin_.push_back(tiles.levelBegin(l));
     reach_.resize(tiles.count());
-    open_.resize(tiles.count());
+    open_.resize(tiles.count() + 1);
     limit_.resize(tiles.count());
     for (int a = 0; a < Dim; ++a) {
         sensor_[a] = RayLine<Dim>::cellOfUnits(origin[a]);
@@ -43,25 +43,29 @@ void Horizon<Dim>::use(std::uint32_t kinds) {
 }
 
 template <int Dim>
-void Horizon<Dim>::addRays(const std::uint32_t* tiles, const RayEnds& ends,
+void Horizon<Dim>::addRays(const RayDirections<Dim>& directions, const std::uint32_t* rays,
                            std::size_t count) {
-    use(ends.kinds);
+    use(directions.kinds);
     reachGrows_.learn(reachGrows_.unpredictable()
-                          ? addInTurns<Branches::none>(tiles, ends, count)
-                          : addInTurns<Branches::predicted>(tiles, ends, count),
+                          ? addInTurns<Branches::none>(directions, rays, count)
+                          : addInTurns<Branches::predicted>(directions, rays, count),
                       count);
 }
 
+/// Neighbours often go the same way, and would wait for each other's stores: so rays
+/// are taken from several places in turn.
+/// \return number of rays that changed something
 template <int Dim>
 template <Branches branches>
-std::size_t Horizon<Dim>::addInTurns(const std::uint32_t* tiles, const RayEnds& ends,
-                                     std::size_t count) {
+std::size_t Horizon<Dim>::addInTurns(const RayDirections<Dim>& directions,
+                                     const std::uint32_t* rays, std::size_t count) {
     std::size_t changes = 0;
     const auto add = [&](std::size_t i) {
-        Extent& reach = reach_[tiles[i]];  // that of the lone tile is not used
-        const bool change = !ends.extent[i].within(reach);
+        const Extent extent = directions.extent[rays[i]];
+        Extent& reach = reach_[directions.tile[rays[i]]];  // that of the lone tile is not used
+        const bool change = !extent.within(reach);
         changes += change;
-        if (branches == Branches::none || change) reach = reach.joined(ends.extent[i]);
+        if (branches == Branches::none || change) reach = reach.joined(extent);
     };
     const std::size_t quarter = count / 4;
     for (std::size_t i = 0; i < quarter; ++i) {

@@ -25,8 +25,9 @@ class Horizon {
     /// No rays yet. \param origin of the rays [units]
     void reset(const DirectionTiles<Dim>& tiles, const Units<Dim>& origin);
 
-    /// Adds `count` rays in a row.
-    void addRays(const std::uint32_t* tiles, const RayEnds& ends, std::size_t count);
+    /// Adds some of the rays of `directions`, and all kinds of them.
+    void addRays(const RayDirections<Dim>& directions, const std::uint32_t* rays,
+                 std::size_t count);
     /// Tiles in which rays leave the sensor's cell.
     std::size_t tilesWithRays() const { return tilesWithRays_; }
     /// After the last ray, before the first question.
@@ -46,6 +47,8 @@ class Horizon {
     /// The first slice in which a ray of the tile has something to tell; kNever if
     /// none.
     Slice firstOpen(std::uint32_t tile) const { return open_[tile]; }
+    /// The same of all tiles, with room for a vector load beyond.
+    const Slice* firstOpen() const { return open_.data(); }
 
  private:
     /// A block as seen by the rays of a kind.
@@ -65,7 +68,8 @@ class Horizon {
                    Extent extent, Slice slice);
     void completeLimits();
     template <Branches branches>
-    std::size_t addInTurns(const std::uint32_t* tiles, const RayEnds& ends, std::size_t count);
+    std::size_t addInTurns(const RayDirections<Dim>& directions, const std::uint32_t* rays,
+                           std::size_t count);
     void use(std::uint32_t kinds);
 
     DirectionTiles<Dim> tiles_;

@@ -7,11 +7,6 @@
 namespace superray {
 namespace {
 
-/// Rays are told apart by their number modulo a prime, so that those of a class are
-/// spread over rows and columns of any sensor. Some of the classes are walked
-/// first: what these saturate, the others are spared.
-constexpr std::size_t kClasses = 37, kFirstClasses = 4, kBetweenFirst = 14, kLaterClass = 21;
-
 /// Looking around again must be likely to save so many times its work.
 constexpr double kWorthIt = 4;
 /// Rays per tile from which on this may pay at all: rays that are walked out of
@@ -47,97 +42,85 @@ void HorizonWalk<Dim>::walk(std::size_t first, std::size_t last) {
     first_ = first;
     const std::size_t count = last - first;
     chooseTiles(first, last);
-    directions_.resize(count);
-    horizon_.reset(directions_.tiles, origin_);
-    for (std::size_t at = 0; at < count; at += RayEnds::kMost) {
-        const std::size_t n = std::min(RayEnds::kMost, count - at);
-        kernels_.findDirections(*rays_, first + at, n, state_->directory, directions_, at, ends_);
-        horizon_.addRays(directions_.tile.data() + at, ends_, n);
-        countHits(first + at, n);
-    }
+    horizon_.reset(tiles_, origin_);
+    findDirections(count);
     horizon_.completeReach();
     state_->settleSureHits();
 
     region_.reset(state_->directory.box());
     lookAround(count);
-    bool done[kClasses] = {};
-    if (count > kDense * horizon_.tilesWithRays()) walkFirst(count, done);
-    chosen_.resize(count + kClasses);
-    std::size_t chosen = 0;
-    for (std::size_t i = 0; i < count; i += kClasses)
-        for (std::size_t c = 0; c < std::min(kClasses, count - i); ++c) {
-            chosen_[chosen] = static_cast<std::uint32_t>(i + c);
-            chosen += static_cast<std::size_t>(!done[c]) & hasToTell(i + c);
-        }
     culled_ += count;
-    walkChosen(chosen);
-}
-
-/// Walks some classes of rays and looks around again, if that is worth while.
-template <int Dim>
-void HorizonWalk<Dim>::walkFirst(std::size_t count, bool* done) {
-    for (std::size_t i = 0, c = 0; i < kFirstClasses; ++i, c = (c + kBetweenFirst) % kClasses) {
-        done[c] = true;
-        walkClass(c, count);
+    if (count <= kDense * horizon_.tilesWithRays()) {
+        walkRays(count, Choice::all);
+        return;
     }
-    const double left = slicesOfClass(kLaterClass, count) * (kClasses - kFirstClasses);
-    if (left > kWorthIt * static_cast<double>(region_.work())) lookAround(count);
+    // What the sample saturates, the others are spared.
+    walkRays(count, Choice::sample);
+    if (slicesLeft(count) > kWorthIt * static_cast<double>(region_.work())) lookAround(count);
+    walkRays(count, Choice::others);
 }
 
-/// Slices of rays in which there may be something to tell.
+/// Finds where rays go and end, and counts their hits.
 template <int Dim>
-double HorizonWalk<Dim>::slicesOfClass(std::size_t c, std::size_t count) const {
+void HorizonWalk<Dim>::findDirections(std::size_t count) {
+    constexpr std::size_t kMost = RayDirections<Dim>::kMost;
+    if (tile_.size() < count) {
+        tile_.resize(count);
+        lastSlice_.resize(count + 16);
+        chosen_.resize(count + 16);
+    }
+    for (std::size_t at = 0; at < count; at += kMost) {
+        const std::size_t rays = std::min(kMost, count - at);
+        kernels_.findDirections(*rays_, first_ + at, rays, state_->directory, tiles_,
+                                tile_.data() + at, lastSlice_.data() + at, directions_);
+        const std::size_t runs =
+            kernels_.findRuns(directions_, rays_->kinds() + first_ + at, rays, starts_.data());
+        starts_[runs] = static_cast<std::uint32_t>(rays);
+        horizon_.addRays(directions_, starts_.data(), runs);
+        countHits(first_ + at, runs);
+    }
+}
+
+/// Slices of rays in which there may be something to tell, by some of the rays.
+template <int Dim>
+double HorizonWalk<Dim>::slicesLeft(std::size_t count) const {
+    constexpr std::size_t kEach = 37;
     double slices = 0;
-    for (std::size_t i = c; i < count; i += kClasses)
-        slices += std::max(0, lastSlice(i) + 1 - horizon_.firstOpen(directions_.tile[i]));
-    return slices;
+    for (std::size_t i = 0; i < count; i += kEach)
+        slices += std::max(0, lastSlice_[i] + 1 - horizon_.firstOpen(tile_[i]));
+    return slices * kEach * (1 - kSampled);
 }
 
-/// The slice in which a ray of the part ends.
+/// Walks those rays that have something to tell, as far as the horizon knows.
 template <int Dim>
-std::int32_t HorizonWalk<Dim>::lastSlice(std::size_t ray) const {
-    return directions_.aim[ray][2];
-}
-
-/// Whether a ray of the part has something to tell, as far as the horizon knows.
-template <int Dim>
-bool HorizonWalk<Dim>::hasToTell(std::size_t ray) const {
-    return horizon_.firstOpen(directions_.tile[ray]) <= lastSlice(ray);
-}
-
-template <int Dim>
-void HorizonWalk<Dim>::walkClass(std::size_t c, std::size_t count) {
-    chosen_.resize(count / kClasses + 1);
-    std::size_t chosen = 0;
-    for (std::size_t i = c; i < count; i += kClasses) {
-        chosen_[chosen] = static_cast<std::uint32_t>(i);
-        chosen += hasToTell(i);
-    }
-    walkChosen(chosen);
-}
-
-/// Walks the first `count` of chosen_.
-template <int Dim>
-void HorizonWalk<Dim>::walkChosen(std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) {
+void HorizonWalk<Dim>::walkRays(std::size_t count, Choice choice) {
+    const std::size_t chosen = kernels_.chooseRays(
+        tile_.data(), lastSlice_.data(), count, horizon_.firstOpen(), choice, chosen_.data());
+    for (std::size_t i = 0; i < chosen; ++i) {
         const std::uint32_t ray = chosen_[i];
-        const std::uint32_t tile = directions_.tile[ray];
+        const std::uint32_t tile = tile_[ray];
         const std::int32_t from = horizon_.firstOpen(tile);
         culled_ -= from == 0;
-        if (tile == directions_.tiles.lone()) {
-            const RayLine<Dim> line(
-                origin_, RayLine<Dim>::unitsOf(rays_->geometry(), rays_->end(first_ + ray)));
-            state_->addresses.reserveMore(static_cast<std::size_t>(line.steps()));
-            kernels_.walk(*state_, line, 0);
+        if (tile == tiles_.lone()) {
+            walkAlone(ray);
             continue;
         }
-        RayLanes& lanes = waiting_[directions_.tiles.kindOf(tile)];
+        RayLanes& lanes = waiting_[tiles_.kindOf(tile)];
         lanes.ray[lanes.count] = static_cast<std::uint32_t>(first_) + ray;
         lanes.from[lanes.count] = from;
         if (++lanes.count == 8) walkLanes(lanes);
     }
     for (RayLanes& lanes : waiting_) walkLanes(lanes);
     state_->flush(1);
+}
+
+/// Walks a ray of the lone tile.
+template <int Dim>
+void HorizonWalk<Dim>::walkAlone(std::uint32_t ray) {
+    const RayLine<Dim> line(origin_,
+                            RayLine<Dim>::unitsOf(rays_->geometry(), rays_->end(first_ + ray)));
+    state_->addresses.reserveMore(static_cast<std::size_t>(line.steps()));
+    kernels_.walk(*state_, line, 0);
 }
 
 /// Tiles about as wide as a cell at the end of a typical ray; finer ones where few
@@ -150,7 +133,7 @@ void HorizonWalk<Dim>::chooseTiles(std::size_t first, std::size_t last) {
     while (levels < DirectionTiles<Dim>::kMostLevels &&
            (1 << levels) < (levels < kFew ? 2 * length : length))
         ++levels;
-    directions_.tiles.levels = levels;
+    tiles_.levels = levels;
 }
 
 template <int Dim>
@@ -168,62 +151,61 @@ void HorizonWalk<Dim>::walkLanes(RayLanes& lanes) {
     lanes.count = 0;
 }
 
-/// Counts the hits of the rays of ends_.
+/// Counts the hits of the runs of directions_, whose first ray is `at`.
 template <int Dim>
-void HorizonWalk<Dim>::countHits(std::size_t first, std::size_t count) {
+void HorizonWalk<Dim>::countHits(std::size_t at, std::size_t runs) {
     if (state_->directory.dense()) {
         hitsMatter_.learn(hitsMatter_.unpredictable()
-                              ? countInTurns<Branches::none>(first, count)
-                              : countInTurns<Branches::predicted>(first, count),
-                          count);
+                              ? countInTurns<Branches::none>(at, runs)
+                              : countInTurns<Branches::predicted>(at, runs),
+                          runs);
         return;
     }
-    for (std::size_t i = first; i < first + count; ++i) {
+    for (std::size_t i = at; i < at + starts_[runs]; ++i) {
         if (rays_->kind(i) != RayEnd::hit) continue;
         const Cell<Dim> cell = rays_->geometry().cellOf(rays_->end(i));
-        std::uint8_t& hits =
-            state_->hitsOf(blockOf<Dim>(cell))[indexInBlock<Dim>(cell)];
+        std::uint8_t& hits = state_->hitsOf(blockOf<Dim>(cell))[indexInBlock<Dim>(cell)];
         if (!state_->sureHit(hits)) ++hits;
     }
 }
 
-/// Neighbours often end in the same cell, and would wait for each other's stores: so
-/// rays are taken from several places in turn.
-/// \return number of hits that changed something
+/// Runs are taken from several places in turn, as in Horizon::addRays().
+/// \return number of runs whose hits changed something
 template <int Dim>
 template <Branches branches>
-std::size_t HorizonWalk<Dim>::countInTurns(std::size_t first, std::size_t count) {
-    const RayEnd* const kinds = rays_->kinds() + first;
+std::size_t HorizonWalk<Dim>::countInTurns(std::size_t at, std::size_t runs) {
+    const RayEnd* const kinds = rays_->kinds() + at;
     struct Place {
-        std::uint32_t block = ~std::uint32_t{0};  // consecutive points share blocks
+        std::uint32_t block = ~std::uint32_t{0};  // consecutive runs share blocks
         std::size_t offset = 0;
     };
     Place places[4];
     std::uint8_t* arena = nullptr;
     std::size_t changes = 0;
-    const auto add = [&](Place& place, std::size_t i) {
+    const auto add = [&](Place& place, std::size_t run) {
+        const std::size_t i = starts_[run];
         if (kinds[i] != RayEnd::hit) return;
-        if (ends_.block[i] != place.block) {
-            place.block = ends_.block[i];
-            const Cell<Dim> cell = rays_->geometry().cellOf(rays_->end(first + i));
+        if (directions_.block[i] != place.block) {
+            place.block = directions_.block[i];
+            const Cell<Dim> cell = rays_->geometry().cellOf(rays_->end(at + i));
             const std::uint8_t* const hits = state_->hitsOf(blockOf<Dim>(cell));
             arena = state_->batch.hitArena();
             place.offset = static_cast<std::size_t>(hits - arena);
         }
-        std::uint8_t& hits = arena[place.offset + ends_.local[i]];
+        std::uint8_t& hits = arena[place.offset + directions_.local[i]];
         const bool change = !state_->sureHit(hits);
         changes += change;
         if (branches == Branches::none || change)
-            hits = static_cast<std::uint8_t>(hits + change);
+            hits = state_->saturatingAdd(hits, starts_[run + 1] - starts_[run]);
     };
-    const std::size_t quarter = count / 4;
+    const std::size_t quarter = runs / 4;
     for (std::size_t i = 0; i < quarter; ++i) {
         add(places[0], i);
         add(places[1], quarter + i);
         add(places[2], 2 * quarter + i);
         add(places[3], 3 * quarter + i);
     }
-    for (std::size_t i = 4 * quarter; i < count; ++i) add(places[3], i);
+    for (std::size_t i = 4 * quarter; i < runs; ++i) add(places[3], i);
     return changes;
 }
 

@@ -31,16 +31,14 @@ class HorizonWalk {
  private:
     // Numbers of rays are among the part that walk() is at; `count` is its size.
     void chooseTiles(std::size_t first, std::size_t last);
-    void countHits(std::size_t first, std::size_t count);
+    void findDirections(std::size_t count);
+    void countHits(std::size_t at, std::size_t runs);
     template <Branches branches>
-    std::size_t countInTurns(std::size_t first, std::size_t count);
+    std::size_t countInTurns(std::size_t at, std::size_t runs);
     void lookAround(std::size_t count);
-    void walkFirst(std::size_t count, bool* done);
-    std::int32_t lastSlice(std::size_t ray) const;
-    bool hasToTell(std::size_t ray) const;
-    double slicesOfClass(std::size_t c, std::size_t count) const;
-    void walkClass(std::size_t c, std::size_t count);
-    void walkChosen(std::size_t count);
+    double slicesLeft(std::size_t count) const;
+    void walkRays(std::size_t count, Choice choice);
+    void walkAlone(std::uint32_t ray);
     void walkLanes(RayLanes& lanes);
 
     const RayBundle<Dim>* rays_ = nullptr;
@@ -49,9 +47,12 @@ class HorizonWalk {
     WalkKernels<Dim> kernels_;
     Units<Dim> origin_{};
     std::size_t first_ = 0;  // ray that the part begins with
+    DirectionTiles<Dim> tiles_;
     RayDirections<Dim> directions_;
-    RayEnds ends_;
+    std::array<std::uint32_t, RayDirections<Dim>::kMost + 16> starts_;  // of runs in there
     Surprise hitsMatter_;
+    std::vector<std::uint32_t> tile_;       // per ray
+    std::vector<std::uint16_t> lastSlice_;  // per ray, and 16 more
     std::vector<std::uint32_t> chosen_;
     Horizon<Dim> horizon_;
     SettledRegion<Dim> region_;

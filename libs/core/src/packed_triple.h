@@ -22,7 +22,9 @@ class PackedTriple {
     bool operator==(PackedTriple o) const { return packed_ == o.packed_; }
     bool operator!=(PackedTriple o) const { return packed_ != o.packed_; }
     /// Whether none of the numbers is greater than the other's.
-    bool within(PackedTriple o) const { return (((o.packed_ | kAll) - packed_) & kAll) == kAll; }
+    bool within(PackedTriple o) const {
+        return (((o.packed_ | kAll) - packed_) & kAll) == kAll;
+    }
     /// The greater ones.
     PackedTriple joined(PackedTriple o) const {
         const std::uint64_t others = ((o.packed_ | kAll) - packed_) & kAll;

@@ -6,20 +6,13 @@
 #include "block_directory.h"
 #include "packed_triple.h"
 
-#include <algorithm>
 #include <array>
-#include <vector>
 
 namespace superray {
 
 /// How many cells from the sensor's cell, per axis; without a sign, for that is
 /// the kind's.
 using Extent = PackedTriple;
-
-/// What a ray is compared with open cells by: the slopes of its minor axes in
-/// steps of 2^-kAimBits (in 2D, the second is 0), and the slice in which it ends.
-using Aim = PackedTriple;
-inline constexpr int kAimBits = 16;
 
 /// Directions as seen from the common origin of a scan. The kind of a ray is its
 /// dominant axis, + 4 * (bit a: axis a runs backwards). Of each kind, a square of
@@ -49,12 +42,10 @@ struct DirectionTiles {
     std::uint32_t count() const { return lone() + 1; }
 };
 
-/// Per ray.
+/// Where some rays in a row go and end.
 template <int Dim>
 struct RayDirections {
-    DirectionTiles<Dim> tiles;
-    std::vector<std::uint32_t> tile;
-    std::vector<Aim> aim;
+    static constexpr std::size_t kMost = 1024;  ///< rays: as many as the L1 cache holds
 
     static constexpr float kLeastLength = 1.0f / 64;  ///< [cells]
     /// Slices of longer rays might not fit the horizon's 16 bits [cells].
@@ -64,28 +55,51 @@ struct RayDirections {
     /// Tiles are those of slopes in single precision, off the exact ones by less.
     static constexpr double kSlopeMargin = 1.0 / (1 << 20);
 
-    void resize(std::size_t n) {
-        tile.resize(n);
-        aim.resize(n);
-    }
-};
-
-/// Where some rays in a row end.
-struct RayEnds {
-    static constexpr std::size_t kMost = 1024;  ///< rays: as many as the L1 cache holds
-
-    std::array<Extent, kMost> extent;
+    const std::uint32_t* tile;               ///< per ray
+    std::array<Extent, kMost> extent;        ///< of the end cell
     std::array<std::uint32_t, kMost> block;  ///< BlockDirectory::indexOf(), if it is dense
-    std::array<std::uint16_t, kMost> local;  ///< index of the cell in its block
+    std::array<std::uint16_t, kMost> local;  ///< index of the end cell in its block
     std::uint32_t kinds;                     ///< bit k: there are rays of kind k
+    std::uint32_t lone;                      ///< DirectionTiles::lone()
 };
 
-/// Of `count` rays from `first` on, to out from `at` on.
+/// Of `count` rays from `first` on.
 /// \param directory covers the scan
-/// \pre count <= RayEnds::kMost; out.resize() was called, out.tiles is set
+/// \param tile, lastSlice of each ray: its tile, and the slice in which it ends (of
+///        lone rays, any)
+/// \pre count <= RayDirections::kMost
 template <int Dim>
 using FindDirections = void (*)(const RayBundle<Dim>& rays, std::size_t first,
                                 std::size_t count, const BlockDirectory<Dim>& directory,
-                                RayDirections<Dim>& out, std::size_t at, RayEnds& ends);
+                                const DirectionTiles<Dim>& tiles, std::uint32_t* tile,
+                                std::uint16_t* lastSlice, RayDirections<Dim>& out);
+
+/// Finds runs of rays that go and end alike among the first `count` rays: where they begin.
+/// Lone rays are runs of their own, for they may go opposite ways. \param starts has room for
+/// 16 more than there are rays \return number of runs
+template <int Dim>
+using FindRuns = std::size_t (*)(const RayDirections<Dim>& directions, const RayEnd* ends,
+                                 std::size_t count, std::uint32_t* starts);
+
+/// Which rays to choose.
+enum class Choice { sample, others, all };
+
+/// Whether a ray is part of the sample: as if by chance, so that it is spread over
+/// rows and columns of any sensor.
+inline constexpr double kSampled = 4.0 / 37;
+inline constexpr std::uint32_t kSampleFactor = 0x9E3779B1;
+inline constexpr auto kSampleLimit = static_cast<std::uint32_t>(kSampled * 0x1p32);
+inline bool isSampled(std::uint32_t ray) {
+    return ray * kSampleFactor < kSampleLimit;
+}
+
+/// Chooses among `count` rays those whose last slice is not before the first open
+/// one of their tile, in order.
+/// \param firstOpen of each tile; a vector load may read 2 bytes beyond
+/// \param chosen has room for 16 more than there are rays
+/// \return number of rays chosen
+using ChooseRays = std::size_t (*)(const std::uint32_t* tile, const std::uint16_t* lastSlice,
+                                   std::size_t count, const std::uint16_t* firstOpen,
+                                   Choice choice, std::uint32_t* chosen);
 
 }  // namespace superray

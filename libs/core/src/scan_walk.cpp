@@ -141,23 +141,29 @@ void ScanWalk<Dim>::sortByDirection() {
     constexpr std::size_t kKinds = DirectionTiles<Dim>::kKinds + 1;  // and lone rays
     const std::size_t count = rays_->size();
     inParallel(shareCount_, [&](std::size_t s) {
-        RayDirections<Dim>& directions = shares_[s].directions;
-        directions.tiles.levels = 1;
         const std::size_t first = firstRay(s, count), rays = firstRay(s + 1, count) - first;
-        directions.resize(rays);
-        RayEnds ends;
-        for (std::size_t at = 0; at < rays; at += RayEnds::kMost)
-            findDirections(*rays_, first + at, std::min(RayEnds::kMost, rays - at),
-                           shares_[s].state.directory, directions, at, ends);
+        std::vector<std::uint8_t>& kinds = shares_[s].kinds;
+        kinds.resize(rays);
+        constexpr std::size_t kMost = RayDirections<Dim>::kMost;
+        DirectionTiles<Dim> tiles;
+        RayDirections<Dim> directions;
+        std::array<std::uint32_t, kMost> tile;
+        std::array<std::uint16_t, kMost> lastSlice;
+        for (std::size_t at = 0; at < rays; at += kMost) {
+            const std::size_t n = std::min(kMost, rays - at);
+            findDirections(*rays_, first + at, n, shares_[s].state.directory, tiles,
+                           tile.data(), lastSlice.data(), directions);
+            for (std::size_t i = 0; i < n; ++i)
+                kinds[at + i] = static_cast<std::uint8_t>(tiles.kindOf(tile[i]));
+        }
     });
     const auto forEachKind = [&](const auto& visit) {
         std::size_t ray = 0;
         for (std::size_t s = 0; s < shareCount_; ++s)
-            for (const std::uint32_t tile : shares_[s].directions.tile)
-                visit(ray++, shares_[s].directions.tiles.kindOf(tile));
+            for (const std::uint8_t kind : shares_[s].kinds) visit(ray++, kind);
     };
     std::array<std::size_t, kKinds> next{};
-    forEachKind([&](std::size_t, std::uint32_t kind) { ++next[kind]; });
+    forEachKind([&](std::size_t, std::uint8_t kind) { ++next[kind]; });
     parts_ = {0};
     const std::size_t most = count / (kPartsPerShare * shareCount_) + 1;
     for (std::size_t& n : next) {
@@ -167,7 +173,7 @@ void ScanWalk<Dim>::sortByDirection() {
             parts_.push_back(begin + shareBegin(rays, i, pieces));
     }
     order_.resize(count);
-    forEachKind([&](std::size_t ray, std::uint32_t kind) {
+    forEachKind([&](std::size_t ray, std::uint8_t kind) {
         order_[next[kind]++] = static_cast<std::uint32_t>(ray);
     });
     if (!sorted_ || sorted_->geometry().resolution() != rays_->geometry().resolution())

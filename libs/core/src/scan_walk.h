@@ -50,7 +50,7 @@ class ScanWalk {
         WalkState<Dim> state;
         EndCells<Dim> ends;
         HorizonWalk<Dim> horizon;
-        RayDirections<Dim> directions;
+        std::vector<std::uint8_t> kinds;  // of its rays, when they are sorted
         std::uint64_t culled = 0;
     };
 

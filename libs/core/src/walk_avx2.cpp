@@ -136,6 +136,8 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 //
 #include "find_directions.inc"
 //
+#include "find_runs.inc"
+//
 #define SUPERRAY_POINT_LANES 4
 #include "copy_points.inc"
 //
@@ -145,7 +147,8 @@ namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx2Kernels() {
-    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, atLeast<Dim>};
+    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>,
+            findRuns<Dim>, chooseRays,    atLeast<Dim>};
 }
 
 template <int Dim>

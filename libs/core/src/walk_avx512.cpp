@@ -118,10 +118,75 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 #include "at_least.inc"
 
 namespace superray {
+namespace {
+
+template <int Dim>
+SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const RayEnd* ends,
+                                     std::size_t count, std::uint32_t* starts) {
+    const std::uint32_t* const tiles = directions.tile;
+    const Extent* const extents = directions.extent.data();
+    const __m512i lone = _mm512_set1_epi32(static_cast<int>(directions.lone));
+    __m512i ray = _mm512_setr_epi32(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
+    starts[0] = 0;
+    std::size_t runs = 1;
+    for (std::size_t i = 1; i < count; i += 16) {
+        const __m512i tile = _mm512_loadu_si512(tiles + i);
+        const auto differing64 = [&](std::size_t at) SUPERRAY_TARGET {
+            return static_cast<unsigned>(_mm512_cmpneq_epi64_mask(
+                _mm512_loadu_si512(extents + at), _mm512_loadu_si512(extents + at - 1)));
+        };
+        const __m128i same =
+            _mm_cmpeq_epi8(_mm_loadu_si128(reinterpret_cast<const __m128i*>(ends + i)),
+                           _mm_loadu_si128(reinterpret_cast<const __m128i*>(ends + i - 1)));
+        unsigned fresh = _mm512_cmpneq_epi32_mask(tile, _mm512_loadu_si512(tiles + i - 1)) |
+                         _mm512_cmpeq_epi32_mask(tile, lone) | differing64(i) |
+                         differing64(i + 8) << 8 |
+                         (~static_cast<unsigned>(_mm_movemask_epi8(same)) & 0xFFFF);
+        if (count - i < 16) fresh &= (1u << (count - i)) - 1;
+        _mm512_storeu_si512(starts + runs,
+                            _mm512_maskz_compress_epi32(static_cast<__mmask16>(fresh), ray));
+        runs += static_cast<std::size_t>(__builtin_popcount(fresh));
+        ray = _mm512_add_epi32(ray, _mm512_set1_epi32(16));
+    }
+    return runs;
+}
+
+SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* tile,
+                                       const std::uint16_t* lastSlice, std::size_t count,
+                                       const std::uint16_t* firstOpen, Choice choice,
+                                       std::uint32_t* chosen) {
+    const __m512i factor = _mm512_set1_epi32(static_cast<int>(kSampleFactor));
+    const __m512i limit = _mm512_set1_epi32(static_cast<int>(kSampleLimit));
+    __m512i ray = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < count; i += 16) {
+        const auto valid =
+            static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xFFFFu);
+        const __m512i tiles = _mm512_maskz_loadu_epi32(valid, tile + i);
+        const __m512i open = _mm512_and_si512(_mm512_i32gather_epi32(tiles, firstOpen, 2),
+                                              _mm512_set1_epi32(0xFFFF));
+        const __m512i last = _mm512_cvtepu16_epi32(
+            _mm256_loadu_si256(reinterpret_cast<const __m256i*>(lastSlice + i)));
+        __mmask16 mask = _mm512_mask_cmple_epi32_mask(valid, open, last);
+        if (choice != Choice::all) {
+            const __mmask16 sampled =
+                _mm512_cmplt_epu32_mask(_mm512_mullo_epi32(ray, factor), limit);
+            mask = static_cast<__mmask16>(choice == Choice::sample ? mask & sampled
+                                                                   : mask & ~sampled);
+        }
+        _mm512_storeu_si512(chosen + n, _mm512_maskz_compress_epi32(mask, ray));
+        n += static_cast<std::size_t>(__builtin_popcount(mask));
+        ray = _mm512_add_epi32(ray, _mm512_set1_epi32(16));
+    }
+    return n;
+}
+
+}  // namespace
 
 template <int Dim>
 WalkKernels<Dim> avx512Kernels() {
-    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, atLeast<Dim>};
+    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>,
+            findRuns<Dim>, chooseRays,    atLeast<Dim>};
 }
 
 template <int Dim>

@@ -213,6 +213,8 @@ struct WalkKernels {
     WalkKernel<Dim> walk;
     WalkRays<Dim> walkRays;
     FindDirections<Dim> findDirections;
+    FindRuns<Dim> findRuns;
+    ChooseRays chooseRays;
     AtLeast<Dim> atLeast;
 };
 

@@ -10,6 +10,8 @@
 #define SUPERRAY_TARGET
 #include "find_directions.inc"
 //
+#include "find_runs.inc"
+//
 #define SUPERRAY_POINT_LANES 4
 #include "copy_points.inc"
 
@@ -60,7 +62,8 @@ BlockMask<Dim> atLeast(const std::uint8_t* counts, std::uint32_t least) {
 
 template <int Dim>
 WalkKernels<Dim> portableKernels() {
-    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>, atLeast<Dim>};
+    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>,
+            findRuns<Dim>, chooseRays,    atLeast<Dim>};
 }
 
 template <int Dim>
