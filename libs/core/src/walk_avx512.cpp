@@ -160,20 +160,22 @@ SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* tile,
     __m512i ray = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     std::size_t n = 0;
     for (std::size_t i = 0; i < count; i += 16) {
-        const auto valid =
+        auto asked =
             static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xFFFFu);
-        const __m512i tiles = _mm512_maskz_loadu_epi32(valid, tile + i);
-        const __m512i open = _mm512_and_si512(_mm512_i32gather_epi32(tiles, firstOpen, 2),
-                                              _mm512_set1_epi32(0xFFFF));
-        const __m512i last = _mm512_cvtepu16_epi32(
-            _mm256_loadu_si256(reinterpret_cast<const __m256i*>(lastSlice + i)));
-        __mmask16 mask = _mm512_mask_cmple_epi32_mask(valid, open, last);
         if (choice != Choice::all) {
             const __mmask16 sampled =
                 _mm512_cmplt_epu32_mask(_mm512_mullo_epi32(ray, factor), limit);
-            mask = static_cast<__mmask16>(choice == Choice::sample ? mask & sampled
-                                                                   : mask & ~sampled);
+            asked = static_cast<__mmask16>(choice == Choice::sample ? asked & sampled
+                                                                    : asked & ~sampled);
         }
+        const __m512i open =
+            _mm512_and_si512(_mm512_mask_i32gather_epi32(_mm512_setzero_si512(), asked,
+                                                         _mm512_maskz_loadu_epi32(asked, tile + i),
+                                                         firstOpen, 2),
+                             _mm512_set1_epi32(0xFFFF));
+        const __m512i last = _mm512_cvtepu16_epi32(
+            _mm256_loadu_si256(reinterpret_cast<const __m256i*>(lastSlice + i)));
+        const __mmask16 mask = _mm512_mask_cmple_epi32_mask(asked, open, last);
         _mm512_storeu_si512(chosen + n, _mm512_maskz_compress_epi32(mask, ray));
         n += static_cast<std::size_t>(__builtin_popcount(mask));
         ray = _mm512_add_epi32(ray, _mm512_set1_epi32(16));
