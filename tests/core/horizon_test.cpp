@@ -277,7 +277,15 @@ TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
             }
             const ScanDirections<Dim> ends = directionsOf(scan, 3, kernels);
             ASSERT_EQ(ends.tile, d.tile);
-            std::array<RayLanes, DirectionTiles<Dim>::kKinds> waiting;
+            // Every other ray with the kernel for a few slices, of any length here.
+            std::array<RayLanes, DirectionTiles<Dim>::kKinds> waiting, ending;
+            const auto walk = [&](RayLanes& lanes, WalkRays<Dim> kernel) {
+                if (lanes.count == 0) return;
+                std::fill(lanes.ray + lanes.count, std::end(lanes.ray), lanes.ray[0]);
+                kernel(got, scan, lanes);
+                got.flush(1);
+                lanes.count = 0;
+            };
             for (std::size_t i = 0; i < scan.size(); ++i) {
                 const Cell<Dim> end = g.cellOf(scan.end(i));
                 ASSERT_EQ(ends.block[i], got.directory.indexOf(blockOf<Dim>(end)));
@@ -289,21 +297,15 @@ TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
                 expected.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
                 walkPortable(expected, line, from, line.slices());
                 expected.flush(1);
-                RayLanes& lanes = waiting[d.tiles.kindOf(d.tile[i])];
+                const bool few = from > 0 && i % 2 == 0;
+                RayLanes& lanes = (few ? ending : waiting)[d.tiles.kindOf(d.tile[i])];
                 lanes.kind = d.tiles.kindOf(d.tile[i]);
                 lanes.ray[lanes.count] = static_cast<std::uint32_t>(i);
                 lanes.from[lanes.count] = from;
-                if (++lanes.count < 8) continue;
-                kernels.walkRays(got, scan, lanes);
-                got.flush(1);
-                lanes.count = 0;
+                if (++lanes.count == 8) walk(lanes, few ? kernels.walkEnds : kernels.walkRays);
             }
-            for (RayLanes& lanes : waiting) {
-                if (lanes.count == 0) continue;
-                std::fill(lanes.ray + lanes.count, std::end(lanes.ray), lanes.ray[0]);
-                kernels.walkRays(got, scan, lanes);
-                got.flush(1);
-            }
+            for (RayLanes& lanes : waiting) walk(lanes, kernels.walkRays);
+            for (RayLanes& lanes : ending) walk(lanes, kernels.walkEnds);
             ASSERT_EQ(got.traversed, expected.traversed);
             walked += got.traversed;
             for (std::size_t b = 0; b < expected.batch.blockCount(); ++b) {

@@ -17,6 +17,9 @@ constexpr std::size_t kDense = 5;
 /// as many cells.
 constexpr std::size_t kWorkPerRay = 6;
 
+/// Fewer slices than these are walked side by side.
+constexpr std::int32_t kFewSlices = 6;
+
 /// Addresses gathered before they are counted: enough to keep the counting loop
 /// free of mispredictions, few enough to stay in the L1 cache.
 constexpr std::size_t kFlushAt = 2048;
@@ -33,7 +36,8 @@ void HorizonWalk<Dim>::begin(const RayBundle<Dim>& rays, const SaturationSource<
     state_ = &state;
     culled_ = 0;
     origin_ = RayLine<Dim>::unitsOf(rays.geometry(), rays.commonOrigin());
-    for (std::uint32_t kind = 0; kind < waiting_.size(); ++kind) waiting_[kind].kind = kind;
+    for (std::uint32_t kind = 0; kind < waiting_.size(); ++kind)
+        waiting_[kind].kind = ending_[kind].kind = kind;
 }
 
 template <int Dim>
@@ -105,12 +109,14 @@ void HorizonWalk<Dim>::walkRays(std::size_t count, Choice choice) {
             walkAlone(ray);
             continue;
         }
-        RayLanes& lanes = waiting_[tiles_.kindOf(tile)];
+        const bool ends = from > 0 && lastSlice_[ray] - from < kFewSlices;
+        RayLanes& lanes = (ends ? ending_ : waiting_)[tiles_.kindOf(tile)];
         lanes.ray[lanes.count] = static_cast<std::uint32_t>(first_) + ray;
         lanes.from[lanes.count] = from;
-        if (++lanes.count == 8) walkLanes(lanes);
+        if (++lanes.count == 8) walkLanes(lanes, ends ? kernels_.walkEnds : kernels_.walkRays);
     }
-    for (RayLanes& lanes : waiting_) walkLanes(lanes);
+    for (RayLanes& lanes : waiting_) walkLanes(lanes, kernels_.walkRays);
+    for (RayLanes& lanes : ending_) walkLanes(lanes, kernels_.walkEnds);
     state_->flush(1);
 }
 
@@ -143,11 +149,11 @@ void HorizonWalk<Dim>::lookAround(std::size_t count) {
 }
 
 template <int Dim>
-void HorizonWalk<Dim>::walkLanes(RayLanes& lanes) {
+void HorizonWalk<Dim>::walkLanes(RayLanes& lanes, WalkRays<Dim> kernel) {
     if (lanes.count == 0) return;
     if (state_->addresses.size() >= kFlushAt) state_->flush(1);
     std::fill(lanes.ray + lanes.count, std::end(lanes.ray), lanes.ray[0]);
-    kernels_.walkRays(*state_, *rays_, lanes);
+    kernel(*state_, *rays_, lanes);
     lanes.count = 0;
 }
 

@@ -39,7 +39,7 @@ class HorizonWalk {
     double slicesLeft(std::size_t count) const;
     void walkRays(std::size_t count, Choice choice);
     void walkAlone(std::uint32_t ray);
-    void walkLanes(RayLanes& lanes);
+    void walkLanes(RayLanes& lanes, WalkRays<Dim> kernel);
 
     const RayBundle<Dim>* rays_ = nullptr;
     const SaturationSource<Dim>* map_ = nullptr;
@@ -56,7 +56,8 @@ class HorizonWalk {
     std::vector<std::uint32_t> chosen_;
     Horizon<Dim> horizon_;
     SettledRegion<Dim> region_;
-    std::array<RayLanes, DirectionTiles<Dim>::kKinds> waiting_;  // per kind
+    // Per kind: rays with many, with few slices left.
+    std::array<RayLanes, DirectionTiles<Dim>::kKinds> waiting_, ending_;
     std::uint64_t culled_ = 0;
 };
 

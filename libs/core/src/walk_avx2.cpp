@@ -119,6 +119,14 @@ SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, in
     return out + __builtin_popcount(static_cast<unsigned>(mask));
 }
 
+SUPERRAY_TARGET inline Long8 long8(Longs v) {
+    Long8 out;
+    std::memcpy(&out, &v, sizeof out);
+    return out;
+}
+SUPERRAY_TARGET inline __m256i gatherInts(const int* base, __m256i indices) {
+    return _mm256_i32gather_epi32(base, indices, 4);
+}
 SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint32_t* indices) {
     Doubles d;
     for (int i = 0; i < 8; ++i) d[i] = base[indices[i]];
@@ -134,6 +142,8 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 //
 #include "walk_rays.inc"
 //
+#include "walk_ends.inc"
+//
 #include "find_directions.inc"
 //
 #include "find_runs.inc"
@@ -147,7 +157,7 @@ namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx2Kernels() {
-    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>,
+    return {walkLine<Dim>, walkRays<Dim>, walkEnds<Dim>, findDirections<Dim>,
             findRuns<Dim>, chooseRays,    atLeast<Dim>};
 }
 

@@ -95,6 +95,12 @@ SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, in
     return out + __builtin_popcount(static_cast<unsigned>(mask));
 }
 
+SUPERRAY_TARGET inline Long8 long8(Longs v) {
+    return {(__m512i)v};
+}
+SUPERRAY_TARGET inline __m256i gatherInts(const int* base, __m256i indices) {
+    return _mm256_i32gather_epi32(base, indices, 4);
+}
 SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint32_t* indices) {
     return (Doubles)_mm512_i64gather_pd(
         _mm512_cvtepu32_epi64(_mm256_load_si256(reinterpret_cast<const __m256i*>(indices))),
@@ -109,6 +115,8 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 #include "walk_vector.inc"
 //
 #include "walk_rays.inc"
+//
+#include "walk_ends.inc"
 //
 #include "find_directions.inc"
 //
@@ -160,8 +168,7 @@ SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* tile,
     __m512i ray = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     std::size_t n = 0;
     for (std::size_t i = 0; i < count; i += 16) {
-        auto asked =
-            static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xFFFFu);
+        auto asked = static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xFFFFu);
         if (choice != Choice::all) {
             const __mmask16 sampled =
                 _mm512_cmplt_epu32_mask(_mm512_mullo_epi32(ray, factor), limit);
@@ -169,9 +176,9 @@ SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* tile,
                                                                     : asked & ~sampled);
         }
         const __m512i open =
-            _mm512_and_si512(_mm512_mask_i32gather_epi32(_mm512_setzero_si512(), asked,
-                                                         _mm512_maskz_loadu_epi32(asked, tile + i),
-                                                         firstOpen, 2),
+            _mm512_and_si512(_mm512_mask_i32gather_epi32(
+                                 _mm512_setzero_si512(), asked,
+                                 _mm512_maskz_loadu_epi32(asked, tile + i), firstOpen, 2),
                              _mm512_set1_epi32(0xFFFF));
         const __m512i last = _mm512_cvtepu16_epi32(
             _mm256_loadu_si256(reinterpret_cast<const __m256i*>(lastSlice + i)));
@@ -187,7 +194,7 @@ SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* tile,
 
 template <int Dim>
 WalkKernels<Dim> avx512Kernels() {
-    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>,
+    return {walkLine<Dim>, walkRays<Dim>, walkEnds<Dim>, findDirections<Dim>,
             findRuns<Dim>, chooseRays,    atLeast<Dim>};
 }
 

@@ -195,7 +195,7 @@ struct RayLanes {
     std::uint32_t kind = 0;
     int count = 0;
     alignas(32) std::uint32_t ray[8] = {};  ///< numbers; of unused lanes: any
-    std::int32_t from[8] = {};              ///< slices to begin with
+    alignas(32) std::int32_t from[8] = {};  ///< slices to begin with
 };
 
 /// Appends the free cells of some rays. \pre count > 0
@@ -212,6 +212,7 @@ template <int Dim>
 struct WalkKernels {
     WalkKernel<Dim> walk;
     WalkRays<Dim> walkRays;
+    WalkRays<Dim> walkEnds;  ///< the same, faster for few slices. \pre all from > 0
     FindDirections<Dim> findDirections;
     FindRuns<Dim> findRuns;
     ChooseRays chooseRays;

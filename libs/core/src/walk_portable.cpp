@@ -62,7 +62,7 @@ BlockMask<Dim> atLeast(const std::uint8_t* counts, std::uint32_t least) {
 
 template <int Dim>
 WalkKernels<Dim> portableKernels() {
-    return {walkLine<Dim>, walkRays<Dim>, findDirections<Dim>,
+    return {walkLine<Dim>, walkRays<Dim>, walkRays<Dim>, findDirections<Dim>,
             findRuns<Dim>, chooseRays,    atLeast<Dim>};
 }
 
