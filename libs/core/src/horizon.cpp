@@ -1,20 +1,8 @@
 #include "horizon.h"
 
+#include "walk_kernel.h"
+
 namespace superray {
-namespace {
-
-/// What a digital line may be off the straight one [cells], with room to spare:
-/// it lags by less than (2^16 + 2) * 2^-31.
-constexpr float kLag = 1.0f / (1 << 12);
-/// What slopes of tiles and footprints may be off, with room to spare.
-constexpr float kSlopeError = 1.0f / (1 << 18);
-
-int bitLength(std::uint32_t x) {
-    return x == 0 ? 0 : 32 - __builtin_clz(x);
-}
-
-}  // namespace
-
 template <int Dim>
 void Horizon<Dim>::reset(const DirectionTiles<Dim>& tiles, const Units<Dim>& origin) {
     tiles_ = tiles;
@@ -23,8 +11,8 @@ void Horizon<Dim>::reset(const DirectionTiles<Dim>& tiles, const Units<Dim>& ori
     tilesWithRays_ = 0;
     levelBegin_.clear();
     for (int l = 0; l <= tiles.levels; ++l) levelBegin_.push_back(tiles.levelBegin(l));
-    reach_.resize(tiles.count());
-    open_.resize(tiles.count() + 1);
+    reach_.resize(tiles.count() + HorizonView<Dim>::kSlack);
+    open_.resize(tiles.count() + HorizonView<Dim>::kSlack);
     limit_.resize(tiles.count());
     for (int a = 0; a < Dim; ++a) {
         sensor_[a] = RayLine<Dim>::cellOfUnits(origin[a]);
@@ -182,7 +170,7 @@ void Horizon<Dim>::forEachSight(const BlockKey<Dim>& block, const Visit& visit) 
     const float lastTile = tilesPerAxis - 1;
     const Cell<Dim> lowest = cellInBlock<Dim>(block, 0);
     for (std::uint32_t side = 0; side < 1u << Dim; ++side) {
-        BlockSight s;
+        BlockSight<Dim> s;
         bool there = true;
         for (int a = 0; a < Dim; ++a) {
             const bool back = s.back[a] = side >> a & 1;
@@ -223,7 +211,7 @@ void Horizon<Dim>::forEachSight(const BlockKey<Dim>& block, const Visit& visit) 
 template <int Dim>
 bool Horizon<Dim>::reaches(const BlockKey<Dim>& block) const {
     bool reached = false;
-    forEachSight(block, [&](const BlockSight& s) {
+    forEachSight(block, [&](const BlockSight<Dim>& s) {
         Extent extent{};
         for (int a = 0; a < Dim; ++a) extent.set(a, s.nearest[a]);
         const std::uint32_t width = std::max(s.high[0] - s.low[0], s.high[1] - s.low[1]);
@@ -244,98 +232,20 @@ bool Horizon<Dim>::reaches(const BlockKey<Dim>& block) const {
 
 template <int Dim>
 void Horizon<Dim>::open(const BlockKey<Dim>& block, const BlockMask<Dim>& cells) {
-    forEachSight(block, [&](const BlockSight& s) {
-        openSeen(s, block, cells);
+    static const NoteOpen<Dim> noteOpen = bestKernels<Dim>().noteOpen;
+    HorizonView<Dim> view;
+    view.sensor = sensor_;
+    std::copy_n(within_, Dim, view.within);
+    view.tiles = tiles_;
+    view.levelBegin = levelBegin_.data();
+    view.reach = reach_.data();
+    view.open = open_.data();
+    forEachSight(block, [&](const BlockSight<Dim>& s) {
+        opened_ += noteOpen(view, s, block, cells);
         return true;
     });
     constexpr std::uint32_t kMany = 4096;
     if (opened_ >= kMany) completeLimits();
-}
-
-/// Footprints of cells are products over the minor axes: of each, all that a block
-/// needs are computed first.
-template <int Dim>
-void Horizon<Dim>::openSeen(const BlockSight& s, const BlockKey<Dim>& block,
-                            const BlockMask<Dim>& cells) {
-    constexpr int kEdge = kBlockEdge;
-    constexpr int kMinors = Dim - 1;
-    const auto tilesPerAxis = static_cast<float>(tiles_.edge(0));
-    const float lastTile = tilesPerAxis - 1;
-    const int d = s.dominant;
-    std::int32_t away[Dim][kEdge];  // from the sensor's cell; negative: not seen
-    float within[Dim];
-    for (int a = 0; a < Dim; ++a) {
-        within[a] = s.back[a] ? 1 - within_[a] : within_[a];
-        const std::int32_t first = block[a] * kEdge - sensor_[a];
-        for (int i = 0; i < kEdge; ++i) away[a][i] = s.back[a] ? -(first + i) : first + i;
-    }
-    float perNear[kEdge], perFar[kEdge];
-    for (int i = 0; i < kEdge; ++i) {
-        const float entry = static_cast<float>(away[d][i]) - within[d];
-        perNear[i] = entry > 0 ? 1 / entry : std::numeric_limits<float>::max();
-        perFar[i] = 1 / std::max(entry + 1, 1e-6f);
-    }
-    std::uint16_t low[kMinors][kEdge][kEdge], high[kMinors][kEdge][kEdge];  // [.][minor][d]
-    for (int a = 0, m = 0; a < Dim; ++a) {
-        if (a == d) continue;
-        for (int j = 0; j < kEdge; ++j) {
-            const float from = static_cast<float>(away[a][j]) - within[a] - kLag;
-            const float to = from + 1 + 2 * kLag;
-            for (int i = 0; i < kEdge; ++i) {
-                const float lowTile = (from * perFar[i] - kSlopeError) * tilesPerAxis;
-                const float highTile = (to * perNear[i] + kSlopeError) * tilesPerAxis;
-                // Beyond the last tile: seen by none.
-                low[m][j][i] =
-                    static_cast<std::uint16_t>(std::clamp(lowTile, 0.0f, tilesPerAxis + 1));
-                high[m][j][i] =
-                    static_cast<std::uint16_t>(std::clamp(highTile, 0.0f, lastTile));
-            }
-        }
-        ++m;
-    }
-    const std::uint32_t firstTile = s.kind * perKind_;
-    for (int w = 0; w < BlockMask<Dim>::kWords; ++w) {
-        for (std::uint64_t left = cells.words[w]; left != 0; left &= left - 1) {
-            const int index = 64 * w + __builtin_ctzll(left);
-            int at[Dim];
-            Extent extent{};
-            bool seen = true;
-            for (int a = 0; a < Dim; ++a) {
-                at[a] = index >> (kBlockBits * a) & (kEdge - 1);
-                seen &= away[a][at[a]] >= 0;
-                extent.set(a, std::max(away[a][at[a]], 0));
-            }
-            if (!seen) continue;
-            std::uint32_t lows[2] = {0, 0}, highs[2] = {0, 0};
-            for (int a = 0, m = 0; a < Dim; ++a) {
-                if (a == d) continue;
-                lows[m] = low[m][at[a]][at[d]];
-                highs[m] = high[m][at[a]][at[d]];
-                seen &= lows[m] < tiles_.edge(0);
-                ++m;
-            }
-            if (!seen) continue;
-            // Beyond 2^16 - 2 slices, rays begin there at the latest.
-            const auto slice = static_cast<Slice>(std::min(away[d][at[d]], kNever - 1));
-            openTiles(firstTile, lows, highs, extent, slice);
-        }
-    }
-}
-
-template <int Dim>
-void Horizon<Dim>::openTiles(std::uint32_t firstTile, const std::uint32_t* low,
-                             const std::uint32_t* high, Extent extent, Slice slice) {
-    const std::uint32_t width = std::max(high[0] - low[0], high[1] - low[1]);
-    // Not too many tiles; and not so coarse that they add much.
-    const int level = std::max(0, bitLength(width) - 4);
-    const std::uint32_t begin = firstTile + levelBegin_[static_cast<std::size_t>(level)];
-    for (std::uint32_t y = low[1] >> level; y <= high[1] >> level; ++y)
-        for (std::uint32_t x = low[0] >> level; x <= high[0] >> level; ++x) {
-            const std::uint32_t tile = begin + (y << (tiles_.levels - level)) + x;
-            if (slice >= open_[tile] || !extent.within(reach_[tile])) continue;
-            open_[tile] = slice;
-            ++opened_;
-        }
 }
 
 template class Horizon<2>;

@@ -5,6 +5,7 @@
 #include <superray/core/block.h>
 #include <superray/core/ray_line.h>
 
+#include "horizon_view.h"
 #include "ray_directions.h"
 #include "surprise.h"
 
@@ -19,8 +20,8 @@ namespace superray {
 template <int Dim>
 class Horizon {
  public:
-    using Slice = std::uint16_t;
-    static constexpr Slice kNever = std::numeric_limits<Slice>::max();
+    using Slice = superray::Slice;
+    static constexpr Slice kNever = kNoSlice;
 
     /// No rays yet. \param origin of the rays [units]
     void reset(const DirectionTiles<Dim>& tiles, const Units<Dim>& origin);
@@ -51,21 +52,8 @@ class Horizon {
     const Slice* firstOpen() const { return open_.data(); }
 
  private:
-    /// A block as seen by the rays of a kind.
-    struct BlockSight {
-        std::uint32_t kind;
-        int dominant;
-        bool back[Dim];                 ///< per axis: runs backwards
-        std::int32_t nearest[Dim];      ///< cells from the sensor's cell, >= 0
-        float near[Dim], far[Dim];      ///< from the origin [cells]
-        std::uint32_t low[2], high[2];  ///< tiles that see it, per minor axis
-    };
     template <typename Visit>
     void forEachSight(const BlockKey<Dim>& block, const Visit& visit) const;
-    void openSeen(const BlockSight& sight, const BlockKey<Dim>& block,
-                  const BlockMask<Dim>& cells);
-    void openTiles(std::uint32_t firstTile, const std::uint32_t* low, const std::uint32_t* high,
-                   Extent extent, Slice slice);
     void completeLimits();
     template <Branches branches>
     std::size_t addInTurns(const RayDirections<Dim>& directions, const std::uint32_t* rays,

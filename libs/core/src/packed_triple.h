@@ -32,9 +32,12 @@ class PackedTriple {
         return PackedTriple((o.packed_ & mask) | (packed_ & ~mask));
     }
 
- private:
+    std::uint64_t packed() const { return packed_; }
     static constexpr std::uint64_t kAbove = std::uint64_t{1} << (kBits - 1);
+    /// The bits above all numbers.
     static constexpr std::uint64_t kAll = kAbove | kAbove << kBits | kAbove << (2 * kBits);
+
+ private:
     std::uint64_t packed_ = 0;
 };
 

@@ -119,6 +119,32 @@ SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, in
     return out + __builtin_popcount(static_cast<unsigned>(mask));
 }
 
+SUPERRAY_TARGET inline std::uint32_t openRow(Slice* open, const Extent* reach, Extent extent,
+                                             std::int32_t slice, std::int32_t n) {
+    const auto slices = reinterpret_cast<__m128i*>(open);
+    const __m256i before = _mm256_cvtepu16_epi32(_mm_loadu_si128(slices));
+    const __m256i now = _mm256_set1_epi32(slice);
+    unsigned change = static_cast<unsigned>(_mm256_movemask_ps(
+                          _mm256_castsi256_ps(_mm256_cmpgt_epi32(before, now)))) &
+                      ((1u << n) - 1);
+    if (change == 0) return 0;
+    const __m256i all = _mm256_set1_epi64x(static_cast<std::int64_t>(Extent::kAll));
+    const __m256i far = _mm256_set1_epi64x(static_cast<std::int64_t>(extent.packed()));
+    const auto reached = [&](int half) SUPERRAY_TARGET {
+        const __m256i room = _mm256_sub_epi64(
+            _mm256_or_si256(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(reach) + half),
+                            all),
+            far);
+        return static_cast<unsigned>(_mm256_movemask_pd(
+            _mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(room, all), all))));
+    };
+    change &= reached(0) | reached(1) << 4;
+    if (change == 0) return 0;
+    const __m256i mixed = _mm256_blendv_epi8(before, now, expand(static_cast<int>(change)));
+    _mm_storeu_si128(slices, _mm_packus_epi32(_mm256_castsi256_si128(mixed),
+                                              _mm256_extracti128_si256(mixed, 1)));
+    return static_cast<std::uint32_t>(__builtin_popcount(change));
+}
 SUPERRAY_TARGET inline Long8 long8(Longs v) {
     Long8 out;
     std::memcpy(&out, &v, sizeof out);
@@ -152,13 +178,15 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 #include "copy_points.inc"
 //
 #include "at_least.inc"
+//
+#include "note_open.inc"
 
 namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx2Kernels() {
     return {walkLine<Dim>, walkRays<Dim>, walkEnds<Dim>, findDirections<Dim>,
-            findRuns<Dim>, chooseRays,    atLeast<Dim>};
+            findRuns<Dim>, chooseRays,    atLeast<Dim>,  noteOpen<Dim>};
 }
 
 template <int Dim>

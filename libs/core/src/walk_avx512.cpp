@@ -95,6 +95,23 @@ SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, in
     return out + __builtin_popcount(static_cast<unsigned>(mask));
 }
 
+SUPERRAY_TARGET inline std::uint32_t openRow(Slice* open, const Extent* reach, Extent extent,
+                                             std::int32_t slice, std::int32_t n) {
+    const auto slices = reinterpret_cast<__m128i*>(open);
+    const __m256i before = _mm256_cvtepu16_epi32(_mm_loadu_si128(slices));
+    const __m256i now = _mm256_set1_epi32(slice);
+    unsigned change = _mm256_cmpgt_epi32_mask(before, now) & ((1u << n) - 1);
+    if (change == 0) return 0;
+    const __m512i all = _mm512_set1_epi64(static_cast<std::int64_t>(Extent::kAll));
+    const __m512i room =
+        _mm512_sub_epi64(_mm512_or_si512(_mm512_loadu_si512(reach), all),
+                         _mm512_set1_epi64(static_cast<std::int64_t>(extent.packed())));
+    change &= _mm512_cmpeq_epi64_mask(_mm512_and_si512(room, all), all);
+    if (change == 0) return 0;
+    _mm_storeu_si128(slices, _mm256_cvtepi32_epi16(_mm256_mask_blend_epi32(
+                                 static_cast<__mmask8>(change), before, now)));
+    return static_cast<std::uint32_t>(__builtin_popcount(change));
+}
 SUPERRAY_TARGET inline Long8 long8(Longs v) {
     return {(__m512i)v};
 }
@@ -124,6 +141,8 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 #include "copy_points.inc"
 //
 #include "at_least.inc"
+//
+#include "note_open.inc"
 
 namespace superray {
 namespace {
@@ -195,7 +214,7 @@ SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* tile,
 template <int Dim>
 WalkKernels<Dim> avx512Kernels() {
     return {walkLine<Dim>, walkRays<Dim>, walkEnds<Dim>, findDirections<Dim>,
-            findRuns<Dim>, chooseRays,    atLeast<Dim>};
+            findRuns<Dim>, chooseRays,    atLeast<Dim>,  noteOpen<Dim>};
 }
 
 template <int Dim>

@@ -7,6 +7,7 @@
 #include <superray/core/update_batch.h>
 
 #include "block_directory.h"
+#include "horizon_view.h"
 #include "ray_directions.h"
 
 #include <algorithm>
@@ -217,6 +218,7 @@ struct WalkKernels {
     FindRuns<Dim> findRuns;
     ChooseRays chooseRays;
     AtLeast<Dim> atLeast;
+    NoteOpen<Dim> noteOpen;
 };
 
 /// The free cells in the slices [from, to), for any instruction set.

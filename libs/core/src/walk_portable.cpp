@@ -8,6 +8,28 @@
 #include <type_traits>
 
 #define SUPERRAY_TARGET
+
+namespace superray {
+namespace {
+namespace simd {
+
+inline std::uint32_t openRow(Slice* open, const Extent* reach, Extent extent,
+                             std::int32_t slice, std::int32_t n) {
+    std::uint32_t changed = 0;
+    for (std::int32_t i = 0; i < n; ++i) {
+        if (slice >= open[i] || !extent.within(reach[i])) continue;
+        open[i] = static_cast<Slice>(slice);
+        ++changed;
+    }
+    return changed;
+}
+
+}  // namespace simd
+}  // namespace
+}  // namespace superray
+
+#include "note_open.inc"
+//
 #include "find_directions.inc"
 //
 #include "find_runs.inc"
@@ -63,7 +85,7 @@ BlockMask<Dim> atLeast(const std::uint8_t* counts, std::uint32_t least) {
 template <int Dim>
 WalkKernels<Dim> portableKernels() {
     return {walkLine<Dim>, walkRays<Dim>, walkRays<Dim>, findDirections<Dim>,
-            findRuns<Dim>, chooseRays,    atLeast<Dim>};
+            findRuns<Dim>, chooseRays,    atLeast<Dim>,  noteOpen<Dim>};
 }
 
 template <int Dim>
