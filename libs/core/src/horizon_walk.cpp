@@ -11,11 +11,11 @@ namespace {
 constexpr double kWorthIt = 4;
 /// Rays per tile from which on this may pay at all: rays that are walked out of
 /// the sensor's order find less in the cache.
-constexpr std::size_t kDense = 5;
+constexpr std::size_t kDense = 3;
 
 /// Most work of looking around, per ray: about what it takes to walk a ray through
 /// as many cells.
-constexpr std::size_t kWorkPerRay = 6;
+constexpr std::size_t kWorkPerRay = 4;
 
 /// Fewer slices than these are walked side by side.
 constexpr std::int32_t kFewSlices = 6;
