@@ -11,11 +11,14 @@ namespace {
 constexpr double kWorthIt = 4;
 /// Rays per tile from which on this may pay at all: rays that are walked out of
 /// the sensor's order find less in the cache.
-constexpr std::size_t kDense = 3;
+constexpr double kDense = 3.5;
 
 /// Most work of looking around, per ray: about what it takes to walk a ray through
 /// as many cells.
 constexpr std::size_t kWorkPerRay = 4;
+
+/// So many chosen rays ahead, coordinates are fetched into the cache.
+constexpr std::size_t kAhead = 32;
 
 /// Fewer slices than these are walked side by side.
 constexpr std::int32_t kFewSlices = 6;
@@ -54,7 +57,7 @@ void HorizonWalk<Dim>::walk(std::size_t first, std::size_t last) {
     region_.reset(state_->directory.box());
     lookAround(count);
     culled_ += count;
-    if (count <= kDense * horizon_.tilesWithRays()) {
+    if (static_cast<double>(count) <= kDense * static_cast<double>(horizon_.tilesWithRays())) {
         walkRays(count, Choice::all);
         return;
     }
@@ -102,6 +105,8 @@ void HorizonWalk<Dim>::walkRays(std::size_t count, Choice choice) {
         tile_.data(), lastSlice_.data(), count, horizon_.firstOpen(), choice, chosen_.data());
     for (std::size_t i = 0; i < chosen; ++i) {
         const std::uint32_t ray = chosen_[i];
+        const std::size_t later = first_ + chosen_[std::min(i + kAhead, chosen - 1)];
+        for (int a = 0; a < Dim; ++a) __builtin_prefetch(rays_->ends(a) + later);
         const std::uint32_t tile = tile_[ray];
         const std::int32_t from = horizon_.firstOpen(tile);
         culled_ -= from == 0;
