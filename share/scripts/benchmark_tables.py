@@ -64,6 +64,17 @@ class Case:
         first = runs[0]
         self.name = f"{first['data']} {first['resolution']:g} m"
         self.scans = first["scans"]
+        self.policy = (self.get("grid") or self.get("octree") or first)["policy"]
+
+    def has_peers(self):
+        return any(engine.startswith("mrpt-") for engine, _ in self.runs)
+
+    def measures_maps(self):
+        """Our maps against octomap, and little else that would compete for memory."""
+        ours = [e for e in ("grid", "octree") if self.get(e)]
+        return (self.get("octomap") and ours and self.policy == "everyRay" and
+                all(threads == 1 for _, threads in self.runs) and
+                (not self.has_peers() or "octree" in ours))
 
     def get(self, engine, threads=1):
         return self.runs.get((engine, threads))
@@ -75,6 +86,18 @@ class Case:
     def ratio(self, engine, threads=1):
         run = self.get(engine, threads)
         return run["ratio_to_octomap"] if run else None
+
+    def bytes(self, engine):
+        run = self.get(engine)
+        return run["map_bytes"] if run else None
+
+    def share_of_octomap(self, engine):
+        mine, base = self.bytes(engine), self.bytes("octomap")
+        return mine / base if mine and base else None
+
+    def times(self, engine, faster):
+        a, b = self.ms(engine), self.ms(faster)
+        return a / b if a and b else None
 
     def best_method(self, engine):
         """Time of the automatic choice over that of the best single method."""
@@ -95,25 +118,35 @@ def cases_of(documents):
 
 def compare_tables(documents):
     cases = cases_of(documents)
-    one = [c for c in cases if c.get("octomap") and any(c.get(f"{m}-perRay") for m in
-                                                        ("grid", "octree"))]
+    one = [c for c in cases if c.measures_maps()]
+    beside = [c for c in cases if c.has_peers()]
     two = [c for c in cases if c.get("grid", 2) or c.get("octree", 2)]
-    once = [c for c in cases if (c.get("grid") or {}).get("policy") == "oncePerScan"]
+    once = [c for c in cases if c.policy == "oncePerScan"]
     out = []
     if one:
-        peers = ["octomap", "octomap-rays", "mrpt-octomap", "mrpt-grid3d", "grid", "octree"]
+        maps = ["octomap", "octomap-rays", "grid", "octree"]
         out += ["### Time per scan [ms], one thread",
-                table(["data", "scans"] + peers,
-                      [[c.name, c.scans] + [number(c.ms(e)) for e in peers] for c in one]),
+                table(["data", "scans"] + maps,
+                      [[c.name, c.scans] + [number(c.ms(e)) for e in maps] for c in one]),
                 "### Times faster than octomap, one thread",
-                table(["data"] + peers[1:],
-                      [[c.name] + [number(c.ratio(e)) for e in peers[1:]] for c in one])]
-        for engine in ("grid", "octree"):
+                table(["data"] + maps[1:],
+                      [[c.name] + [number(c.ratio(e)) for e in maps[1:]] for c in one])]
+    if beside:
+        peers = ["octomap", "mrpt-octomap", "mrpt-grid3d", "grid"]
+        out += ["### Beside MRPT's maps: time per scan [ms], one thread; map memory [MB]",
+                table(["data"] + peers + ["mrpt-grid3d / grid"] + [f"{e} MB" for e in peers],
+                      [[c.name] + [number(c.ms(e)) for e in peers] +
+                       [number(c.times("mrpt-grid3d", "grid"))] +
+                       [megabytes(c.bytes(e)) for e in peers] for c in beside])]
+    for engine in ("grid", "octree"):
+        methods = [c for c in cases if c.best_method(engine)]
+        if methods:
             names = [engine] + [f"{engine}-{m}" for m in METHODS]
             out += [f"### Methods on the {engine}: time per scan [ms], one thread",
                     table(["data"] + ["auto"] + list(METHODS) + ["auto / best"],
                           [[c.name] + [number(c.ms(n)) for n in names] +
-                           [number(c.best_method(engine))] for c in one])]
+                           [number(c.best_method(engine))] for c in methods])]
+    if one:
         rows = []
         for c in one:
             for engine in ("grid", "octree"):
@@ -127,25 +160,17 @@ def compare_tables(documents):
                             [f"{share:.0f} ({name.replace('_', ' ')})"])
         stages = ["points to rays", "super rays", "culling region", "traversal", "apply",
                   "other", "largest but traversal, apply"]
-        out += ["### Time by stage [%]", table(["data", "map"] + stages, rows)]
-        memory = []
-        for c in one:
-            base = c.get("octomap")
-            row = [c.name]
-            for engine in peers:
-                run = c.get(engine)
-                row.append(megabytes(run["map_bytes"]) if run else "-")
-            for engine in ("grid", "octree"):
-                run = c.get(engine)
-                row.append(number(run["map_bytes"] / base["map_bytes"]) if run else "-")
-            memory.append(row)
-        out += ["### Map memory [MB], and as a share of octomap's",
-                table(["data"] + peers + ["grid / octomap", "octree / octomap"], memory)]
+        out += ["### Time by stage [%]", table(["data", "map"] + stages, rows),
+                "### Map memory [MB], and as a share of octomap's",
+                table(["data"] + maps + ["grid / octomap", "octree / octomap"],
+                      [[c.name] + [megabytes(c.bytes(e)) for e in maps] +
+                       [number(c.share_of_octomap(e)) for e in ("grid", "octree")]
+                       for c in one])]
         if any(r["peak_bytes"] for c in one for r in c.runs.values()):
             out += ["### Largest growth of the process [MB]",
-                    table(["data"] + peers,
+                    table(["data"] + maps,
                           [[c.name] + [megabytes((c.get(e) or {}).get("peak_bytes"))
-                                       for e in peers] for c in one])]
+                                       for e in maps] for c in one])]
     if two:
         rows = []
         for c in two:

@@ -27,22 +27,27 @@ done
 [[ -x $program ]] || { echo "error: no program $program; build superray-bench" >&2; exit 1; }
 mkdir -p "$out"
 
-peers=octomap,mrpt-octomap,mrpt-grid3d
-grid=grid,grid-perRay,grid-superRays,grid-culling,grid-full
-octree=octree,octree-perRay,octree-culling
-
-# compare NAME INPUT RESOLUTIONS SCANS: everything with one thread, then ours
-# with two, then the policy that equals octomap's.
+# compare NAME INPUT RESOLUTIONS SCANS: few maps a process, so that they do not
+# compete for memory more than they must: our maps against octomap with one
+# thread, MRPT's maps against our grid, all methods, two threads, and the policy
+# that equals octomap's.
 compare() {
-    local name=$1 input=$2 resolutions=$3 scans=$4
+    local name=$1 input=$2 resolutions=$3 scans=$4 run
     echo "=== $name, $resolutions m" >&2
-    local common=(compare "$input" --resolutions "$resolutions" --scans "$scans")
-    "$program" "${common[@]}" --engines "$peers,$grid,$octree" \
-        --json "$out/$name.json" >"$out/$name.txt"
-    "$program" "${common[@]}" --engines octomap,grid,octree --threads 1,2 \
-        --json "$out/$name-threads.json" >"$out/$name-threads.txt"
-    "$program" "${common[@]}" --engines octomap,grid,octree --policy oncePerScan \
-        --json "$out/$name-once.json" >"$out/$name-once.txt"
+    local -A engines=(
+        [maps]=octomap,grid,octree
+        [peers]=octomap,mrpt-octomap,mrpt-grid3d,grid
+        [grid]=grid,grid-perRay,grid-superRays,grid-culling,grid-full
+        [octree]=octree,octree-perRay,octree-culling
+        [threads]=grid,octree
+        [once]=octomap,grid,octree)
+    local -A more=([threads]="--threads 1,2" [once]="--policy oncePerScan")
+    for run in maps peers grid octree threads once; do
+        # shellcheck disable=SC2086  # options are several words
+        "$program" compare "$input" --resolutions "$resolutions" --scans "$scans" \
+            --engines "${engines[$run]}" ${more[$run]:-} \
+            --json "$out/$name-$run.json" >"$out/$name-$run.txt"
+    done
 }
 
 # realtime NAME INPUT RATE RESOLUTION THREADS: as in the paper, and with whole scans.
