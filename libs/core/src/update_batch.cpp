@@ -1,8 +1,15 @@
 #include <superray/core/update_batch.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace superray {
+
+template <int Dim>
+UpdateBatch<Dim>::UpdateBatch() {
+    misses_.append(kCells);
+    std::fill_n(misses_.data(), kCells, std::uint8_t{kMaxCount});
+}
 
 template <int Dim>
 BlockMask<Dim> UpdateBatch<Dim>::touched(std::size_t block) const {
@@ -22,9 +29,7 @@ std::uint32_t UpdateBatch<Dim>::addBlock(const BlockKey<Dim>& key) {
         throw std::length_error("scan touches more than 2^32 cells");
     keys_.push_back(key);
     hitSlots_.push_back(-1);
-    if (misses_.capacity() < slot(block + 1) + kSlack)
-        misses_.reserve(2 * (slot(block + 1) + kSlack));
-    misses_.resize(slot(block + 1), 0);
+    misses_.append(kCells);
     return static_cast<std::uint32_t>(block);
 }
 
@@ -32,7 +37,7 @@ template <int Dim>
 std::uint8_t* UpdateBatch<Dim>::hitsOf(std::uint32_t block) {
     if (hitSlots_[block] < 0) {
         hitSlots_[block] = static_cast<std::int32_t>(hits_.size() / kCells);
-        hits_.resize(hits_.size() + kCells, 0);
+        hits_.append(kCells);
     }
     return hits_.data() + hitSlot(block);
 }
@@ -42,9 +47,8 @@ void UpdateBatch<Dim>::clear() {
     keys_.clear();
     borrowed_.clear();
     hitSlots_.clear();
-    misses_.reserve(kCells + kSlack);
-    misses_.resize(kCells);
-    hits_.clear();
+    misses_.shrink(kCells);
+    hits_.shrink(0);
 }
 
 template <int Dim>

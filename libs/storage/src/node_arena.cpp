@@ -29,9 +29,9 @@ NodeArena::FreeList NodeArena::FreeList::takeSome(std::size_t n) {
 }
 
 NodeArena::Range NodeArena::newChunk(std::size_t least) {
-    // Huge pages (MADV_HUGEPAGE) were tried: they save a fifth of an update that
-    // makes many nodes where the memory is at hand, but double its time on
-    // virtual machines whose host must provide it first.
+    // Of small pages: huge ones save a fifth of an update where the system has them
+    // at hand, but on virtual machines whose host must provide them first they take
+    // six times as long as small ones, and a tree touches new ones at every scan.
     std::size_t bytes = kFirstChunk;
     while (bytes < kLastChunk && bytes < chunkBytes_) bytes *= 2;
     while (bytes < least) bytes *= 2;

@@ -3,6 +3,7 @@
 /// What one scan does to a map: per cell, how many rays miss and how many hit.
 
 #include <superray/core/block.h>
+#include <superray/core/large_memory.h>
 
 #include <cstdint>
 #include <vector>
@@ -17,6 +18,8 @@ namespace superray {
 template <int Dim>
 class UpdateBatch {
  public:
+    UpdateBatch();
+
     static constexpr int kCells = kBlockCells<Dim>;
     static constexpr std::uint32_t kMaxCount = 255;
 
@@ -57,8 +60,6 @@ class UpdateBatch {
     std::size_t memoryBytes() const;
 
  private:
-    /// Vector loads of counts may read so many bytes beyond.
-    static constexpr std::size_t kSlack = 4;
     static std::size_t slot(std::size_t block) { return (block + 1) * kCells; }
     std::size_t hitSlot(std::size_t block) const {
         return static_cast<std::size_t>(hitSlots_[block]) * kCells;
@@ -73,7 +74,7 @@ class UpdateBatch {
     std::vector<BlockKey<Dim>> keys_;  // own ones, then borrowed ones
     std::vector<Borrowed> borrowed_;
     std::vector<std::int32_t> hitSlots_;  // -1: none
-    std::vector<std::uint8_t> misses_ = std::vector<std::uint8_t>(kCells, 255), hits_;
+    ZeroedBytes misses_, hits_;
 };
 
 extern template class UpdateBatch<2>;
