@@ -216,6 +216,40 @@ TYPED_TEST(Equivalence, LongRaysInThreads) {
     }
 }
 
+// Many rays a tile, so that some are walked first; and threads that help each other.
+TYPED_TEST(Equivalence, DenseScansInThreads) {
+    constexpr int Dim = TypeParam::value;
+    constexpr int kScans = 2, kRays = 20000;
+    const CellGeometry<Dim> g(0.1);
+    const SensorModel model;
+    Random random(81);
+    std::vector<RayBundle<Dim>> scans;
+    ReferenceMapper<Dim> reference(model);
+    for (int s = 0; s < kScans; ++s) {
+        RayBundle<Dim> scan(g, test::uniformPoint<Dim>(random, 0.2));
+        for (int i = 0; i < kRays; ++i) {
+            Point<Dim> end = test::uniformPoint<Dim>(random, 1.5);
+            end[0] = 3 + end[0] / 3;
+            scan.add(end, i % 17 == 0 ? RayEnd::open : RayEnd::hit);
+        }
+        ASSERT_EQ(scan.size(), std::size_t{kRays});
+        reference.insert(scan);
+        scans.push_back(std::move(scan));
+    }
+    for (int repetition = 0; repetition < 30; ++repetition) {
+        for (unsigned threads : {2u, 3u, 8u}) {
+            IntegratorOptions options;
+            options.threads = threads;
+            ScanIntegrator<Dim> integrator;
+            TestMap<Dim> map;
+            for (const auto& scan : scans)
+                map.apply(integrator.integrate(scan, model, options, &map), model,
+                          UpdatePolicy::everyRay);
+            ASSERT_NO_FATAL_FAILURE(expectSameBits<Dim>(map.cells, reference.cells()));
+        }
+    }
+}
+
 TYPED_TEST(Equivalence, HugeExtentsUseTheSparseDirectory) {
     constexpr int Dim = TypeParam::value;
     const CellGeometry<Dim> g(0.01);

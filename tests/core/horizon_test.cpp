@@ -76,8 +76,9 @@ void inPieces(const WalkKernels<Dim>& kernels, const RayBundle<Dim>& scan, std::
                             blockOf<Dim>(scan.geometry().cellOf(scan.highest()))};
     BlockDirectory<Dim> directory;
     directory.reset(box);
-    all.tile.resize(scan.size() - first);
-    all.lastSlice.resize(scan.size() - first);
+    constexpr std::size_t kSlack = RayDirections<Dim>::kSlack;
+    all.tile.resize(scan.size() - first + kSlack);
+    all.lastSlice.resize(scan.size() - first + kSlack);
     const auto piece = std::make_unique<RayDirections<Dim>>();
     for (std::size_t at = first; at < scan.size(); at += RayDirections<Dim>::kMost) {
         const std::size_t count = std::min(RayDirections<Dim>::kMost, scan.size() - at);
@@ -107,6 +108,7 @@ ScanDirections<Dim> directionsOf(const RayBundle<Dim>& scan, int levels,
                  for (std::size_t i = 0; i < runs; ++i)
                      all.runs.push_back(static_cast<std::uint32_t>(at - first) + starts[i]);
              });
+    all.tile.resize(scan.size() - first);  // vector loads are over
     return all;
 }
 
@@ -362,7 +364,7 @@ TYPED_TEST(HorizonOf, ChoicesAreRaysWithSomethingToTell) {
     std::size_t chosen = 0, sampled = 0;
     for (std::size_t count : {0u, 1u, 15u, 16u, 17u, 5000u}) {
         std::vector<std::uint16_t> open(kTiles + 1), last(count + 16);
-        std::vector<std::uint32_t> tile(count);
+        std::vector<std::uint32_t> tile(count);  // chooseRays() reads no more
         for (auto& o : open)
             o = static_cast<std::uint16_t>(test::integer(random, 0, 1)
                                                ? Horizon<Dim>::kNever

@@ -58,23 +58,25 @@ void HorizonWalk<Dim>::walk(std::size_t first, std::size_t last) {
     lookAround(count);
     culled_ += count;
     if (static_cast<double>(count) <= kDense * static_cast<double>(horizon_.tilesWithRays())) {
-        walkRays(count, Choice::all);
+        walkLast(count, Choice::all);
         return;
     }
     // What the sample saturates, the others are spared.
-    walkRays(count, Choice::sample);
+    walkChosen(*this, {0, choose(count, Choice::sample)});
+    walkWaiting();
     if (slicesLeft(count) > kWorthIt * static_cast<double>(region_.work())) lookAround(count);
-    walkRays(count, Choice::others);
+    walkLast(count, Choice::others);
 }
 
 /// Finds where rays go and end, and counts their hits.
 template <int Dim>
 void HorizonWalk<Dim>::findDirections(std::size_t count) {
     constexpr std::size_t kMost = RayDirections<Dim>::kMost;
-    if (tile_.size() < count) {
-        tile_.resize(count);
-        lastSlice_.resize(count + 16);
-        chosen_.resize(count + 16);
+    constexpr std::size_t kSlack = RayDirections<Dim>::kSlack;
+    if (tile_.size() < count + kSlack) {
+        tile_.resize(count + kSlack);
+        lastSlice_.resize(count + kSlack);
+        chosen_.resize(count + kSlack);
     }
     for (std::size_t at = 0; at < count; at += kMost) {
         const std::size_t rays = std::min(kMost, count - at);
@@ -98,28 +100,53 @@ double HorizonWalk<Dim>::slicesLeft(std::size_t count) const {
     return slices * kEach * (1 - kSampled);
 }
 
-/// Walks those rays that have something to tell, as far as the horizon knows.
+/// Chooses those rays that have something to tell, as far as the horizon knows.
 template <int Dim>
-void HorizonWalk<Dim>::walkRays(std::size_t count, Choice choice) {
-    const std::size_t chosen = kernels_.chooseRays(
-        tile_.data(), lastSlice_.data(), count, horizon_.firstOpen(), choice, chosen_.data());
-    for (std::size_t i = 0; i < chosen; ++i) {
-        const std::uint32_t ray = chosen_[i];
-        const std::size_t later = first_ + chosen_[std::min(i + kAhead, chosen - 1)];
-        for (int a = 0; a < Dim; ++a) __builtin_prefetch(rays_->ends(a) + later);
-        const std::uint32_t tile = tile_[ray];
-        const std::int32_t from = horizon_.firstOpen(tile);
+std::size_t HorizonWalk<Dim>::choose(std::size_t count, Choice choice) {
+    return kernels_.chooseRays(tile_.data(), lastSlice_.data(), count, horizon_.firstOpen(),
+                               choice, chosen_.data());
+}
+
+/// Walks the last rays of a part, with the help of others: nothing that these read
+/// may change afterwards.
+template <int Dim>
+void HorizonWalk<Dim>::walkLast(std::size_t count, Choice choice) {
+    list_->publish(choose(count, choice));
+    while (const auto piece = list_->take()) walkChosen(*this, *piece);
+    walkWaiting();
+}
+
+template <int Dim>
+void HorizonWalk<Dim>::help(HorizonWalk& other) {
+    other.list_->help([&](ListPiece piece) { walkChosen(other, piece); });
+    walkWaiting();
+}
+
+/// Walks rays that some thread has chosen.
+template <int Dim>
+void HorizonWalk<Dim>::walkChosen(const HorizonWalk& owner, ListPiece piece) {
+    for (std::size_t i = piece.begin; i < piece.end; ++i) {
+        const std::uint32_t ray = owner.chosen_[i];
+        const std::size_t later = owner.chosen_[std::min(i + kAhead, piece.end - 1)];
+        for (int a = 0; a < Dim; ++a) __builtin_prefetch(rays_->ends(a) + owner.first_ + later);
+        const std::uint32_t tile = owner.tile_[ray];
+        const std::int32_t from = owner.horizon_.firstOpen(tile);
         culled_ -= from == 0;
-        if (tile == tiles_.lone()) {
-            walkAlone(ray);
+        if (tile == owner.tiles_.lone()) {
+            walkAlone(owner.first_ + ray);
             continue;
         }
-        const bool ends = from > 0 && lastSlice_[ray] - from < kFewSlices;
-        RayLanes& lanes = (ends ? ending_ : waiting_)[tiles_.kindOf(tile)];
-        lanes.ray[lanes.count] = static_cast<std::uint32_t>(first_) + ray;
+        const bool ends = from > 0 && owner.lastSlice_[ray] - from < kFewSlices;
+        RayLanes& lanes = (ends ? ending_ : waiting_)[owner.tiles_.kindOf(tile)];
+        lanes.ray[lanes.count] = static_cast<std::uint32_t>(owner.first_) + ray;
         lanes.from[lanes.count] = from;
         if (++lanes.count == 8) walkLanes(lanes, ends ? kernels_.walkEnds : kernels_.walkRays);
     }
+}
+
+/// Walks the rays that wait for others of their kind.
+template <int Dim>
+void HorizonWalk<Dim>::walkWaiting() {
     for (RayLanes& lanes : waiting_) walkLanes(lanes, kernels_.walkRays);
     for (RayLanes& lanes : ending_) walkLanes(lanes, kernels_.walkEnds);
     state_->flush(1);
@@ -127,9 +154,8 @@ void HorizonWalk<Dim>::walkRays(std::size_t count, Choice choice) {
 
 /// Walks a ray of the lone tile.
 template <int Dim>
-void HorizonWalk<Dim>::walkAlone(std::uint32_t ray) {
-    const RayLine<Dim> line(origin_,
-                            RayLine<Dim>::unitsOf(rays_->geometry(), rays_->end(first_ + ray)));
+void HorizonWalk<Dim>::walkAlone(std::size_t ray) {
+    const RayLine<Dim> line(origin_, RayLine<Dim>::unitsOf(rays_->geometry(), rays_->end(ray)));
     state_->addresses.reserveMore(static_cast<std::size_t>(line.steps()));
     kernels_.walk(*state_, line, 0);
 }

@@ -3,17 +3,22 @@
 // the map and the rays before it leave something to be told.
 
 #include "settled_region.h"
+#include "shared_list.h"
 #include "walk_kernel.h"
 
 #include <array>
+#include <memory>
 
 namespace superray {
 
-/// One thread's part of a scan: begin(), then walk() of any number of parts of the
-/// rays, then end().
+/// One thread's part of a scan: expect(), then begin(), walk() of any number of parts
+/// of the rays, end(); then it may help others.
 template <int Dim>
 class HorizonWalk {
  public:
+    /// Before the threads begin: others may help from now on, until end().
+    void expect() { list_->open(); }
+
     /// \param map nullptr: none; must outlive the scan
     /// \pre the rays have the common origin; state.reset() and
     /// state.countMapSaturation() were called
@@ -23,7 +28,12 @@ class HorizonWalk {
     /// Counts what the rays [first, last) have to tell.
     void walk(std::size_t first, std::size_t last);
 
-    void end() { state_->flush(1); }
+    /// There are no more parts (also where an exception ends the work).
+    void end() noexcept { list_->close(); }
+
+    /// Counts some of what another's last part has to tell, until it is done.
+    /// \pre both are of one scan; nobody takes parts any more
+    void help(HorizonWalk& other);
 
     /// Rays that were cut short or left out, since begin().
     std::uint64_t culled() const { return culled_; }
@@ -37,8 +47,11 @@ class HorizonWalk {
     std::size_t countInTurns(std::size_t at, std::size_t runs);
     void lookAround(std::size_t count);
     double slicesLeft(std::size_t count) const;
-    void walkRays(std::size_t count, Choice choice);
-    void walkAlone(std::uint32_t ray);
+    std::size_t choose(std::size_t count, Choice choice);
+    void walkLast(std::size_t count, Choice choice);
+    void walkChosen(const HorizonWalk& owner, ListPiece piece);
+    void walkWaiting();
+    void walkAlone(std::size_t ray);
     void walkLanes(RayLanes& lanes, WalkRays<Dim> kernel);
 
     const RayBundle<Dim>* rays_ = nullptr;
@@ -49,11 +62,13 @@ class HorizonWalk {
     std::size_t first_ = 0;  // ray that the part begins with
     DirectionTiles<Dim> tiles_;
     RayDirections<Dim> directions_;
-    std::array<std::uint32_t, RayDirections<Dim>::kMost + 16> starts_;  // of runs in there
+    std::array<std::uint32_t, RayDirections<Dim>::kMost + RayDirections<Dim>::kSlack>
+        starts_;  // of runs in there
     Surprise hitsMatter_;
     std::vector<std::uint32_t> tile_;       // per ray
-    std::vector<std::uint16_t> lastSlice_;  // per ray, and 16 more
-    std::vector<std::uint32_t> chosen_;
+    std::vector<std::uint16_t> lastSlice_;  // per ray
+    std::vector<std::uint32_t> chosen_;     // rays to walk, in turns with others
+    std::unique_ptr<SharedList> list_ = std::make_unique<SharedList>();
     Horizon<Dim> horizon_;
     SettledRegion<Dim> region_;
     // Per kind: rays with many, with few slices left.

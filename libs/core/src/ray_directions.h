@@ -46,6 +46,7 @@ struct DirectionTiles {
 template <int Dim>
 struct RayDirections {
     static constexpr std::size_t kMost = 1024;  ///< rays: as many as the L1 cache holds
+    static constexpr std::size_t kSlack = 16;   ///< what vector loads may read beyond
 
     static constexpr float kLeastLength = 1.0f / 64;  ///< [cells]
     /// Slices of longer rays might not fit the horizon's 16 bits [cells].
@@ -55,18 +56,18 @@ struct RayDirections {
     /// Tiles are those of slopes in single precision, off the exact ones by less.
     static constexpr double kSlopeMargin = 1.0 / (1 << 20);
 
-    const std::uint32_t* tile;               ///< per ray
-    std::array<Extent, kMost> extent;        ///< of the end cell
-    std::array<std::uint32_t, kMost> block;  ///< BlockDirectory::indexOf(), if it is dense
-    std::array<std::uint16_t, kMost> local;  ///< index of the end cell in its block
-    std::uint32_t kinds;                     ///< bit k: there are rays of kind k
-    std::uint32_t lone;                      ///< DirectionTiles::lone()
+    const std::uint32_t* tile;                  ///< per ray
+    std::array<Extent, kMost + kSlack> extent;  ///< of the end cell
+    std::array<std::uint32_t, kMost> block;     ///< BlockDirectory::indexOf(), if it is dense
+    std::array<std::uint16_t, kMost> local;     ///< index of the end cell in its block
+    std::uint32_t kinds;                        ///< bit k: there are rays of kind k
+    std::uint32_t lone;                         ///< DirectionTiles::lone()
 };
 
 /// Of `count` rays from `first` on.
 /// \param directory covers the scan
-/// \param tile, lastSlice of each ray: its tile, and the slice in which it ends (of
-///        lone rays, any)
+/// \param tile of each ray, with kSlack more
+/// \param lastSlice of each ray: in which it ends (of lone rays, any)
 /// \pre count <= RayDirections::kMost
 template <int Dim>
 using FindDirections = void (*)(const RayBundle<Dim>& rays, std::size_t first,
@@ -74,9 +75,10 @@ using FindDirections = void (*)(const RayBundle<Dim>& rays, std::size_t first,
                                 const DirectionTiles<Dim>& tiles, std::uint32_t* tile,
                                 std::uint16_t* lastSlice, RayDirections<Dim>& out);
 
-/// Finds runs of rays that go and end alike among the first `count` rays: where they begin.
-/// Lone rays are runs of their own, for they may go opposite ways. \param starts has room for
-/// 16 more than there are rays \return number of runs
+/// Finds runs of rays that go and end alike among the first `count` rays: where they
+/// begin. Lone rays are runs of their own, for they may go opposite ways.
+/// \param starts has room for kSlack more than there are rays
+/// \return number of runs
 template <int Dim>
 using FindRuns = std::size_t (*)(const RayDirections<Dim>& directions, const RayEnd* ends,
                                  std::size_t count, std::uint32_t* starts);
@@ -95,8 +97,9 @@ inline bool isSampled(std::uint32_t ray) {
 
 /// Chooses among `count` rays those whose last slice is not before the first open
 /// one of their tile, in order.
+/// \param lastSlice of each ray, with kSlack more
 /// \param firstOpen of each tile; a vector load may read 2 bytes beyond
-/// \param chosen has room for 16 more than there are rays
+/// \param chosen has room for kSlack more than there are rays
 /// \return number of rays chosen
 using ChooseRays = std::size_t (*)(const std::uint32_t* tile, const std::uint16_t* lastSlice,
                                    std::size_t count, const std::uint16_t* firstOpen,

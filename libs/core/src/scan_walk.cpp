@@ -13,8 +13,9 @@ namespace {
 /// Rays that repay a thread.
 constexpr std::size_t kRaysPerShare = 256;
 
-/// Parts of a scan per thread, at least.
-constexpr std::size_t kPartsPerShare = 3;
+/// Parts of a sorted scan per thread, at least. Of others one each: threads that are
+/// done help with the others' rays.
+constexpr std::size_t kPartsPerShare = 2;
 /// Rays of so many cells repay sorting them by direction.
 constexpr double kLongRay = 64;
 
@@ -26,6 +27,13 @@ void add(std::uint8_t* sum, const std::uint8_t* more) {
         sum[i] = s < more[i] ? std::uint8_t{255} : s;
     }
 }
+
+/// Ends a walk, also where it fails: others wait for that.
+template <int Dim>
+struct EndOfWalk {
+    HorizonWalk<Dim>& walk;
+    ~EndOfWalk() { walk.end(); }
+};
 
 /// What becomes of blocks that the sum has no counts of.
 enum class NewBlocks { copied, borrowed };
@@ -54,21 +62,18 @@ template <int Dim>
 void ScanWalk<Dim>::begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& extent,
                           unsigned threads) {
     rays_ = &rays;
-    const BlockBox<Dim> blocks = extent.blocks();
+    blocks_ = extent.blocks();
     shareCount_ =
         std::max<std::size_t>(1, std::min<std::size_t>(threads, rays.size() / kRaysPerShare));
     if (shares_.size() < shareCount_) shares_.resize(shareCount_);
-    inParallel(shareCount_, [&](std::size_t s) {
-        Share& share = shares_[s];
-        share.state.reset(blocks);
-        share.culled = 0;
-    });
+    for (Share& share : shares_) share.culled = 0;
 }
 
 template <int Dim>
 void ScanWalk<Dim>::countEndCells() {
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
+        share.state.reset(blocks_);
         share.ends.assign(*rays_, firstRay(s, rays_->size()), firstRay(s + 1, rays_->size()),
                           share.state.directory.box());
         share.ends.addHits(share.state);
@@ -111,25 +116,31 @@ void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
 template <int Dim>
 void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const SensorModel& model,
                                     UpdatePolicy policy) {
-    const bool sorting = shareCount_ > 1 && typicalLength(*rays_, 0, rays_->size()) > kLongRay;
+    const bool sorting = shareCount_ > 1 && goAllAround(*rays_) &&
+                         typicalLength(*rays_, 0, rays_->size()) > kLongRay;
     if (sorting) {
         sortByDirection();
     } else {
-        const std::size_t parts = shareCount_ == 1 ? 1 : kPartsPerShare * shareCount_;
         parts_.clear();
-        for (std::size_t i = 0; i <= parts; ++i)
-            parts_.push_back(shareBegin(rays_->size(), i, parts));
+        for (std::size_t s = 0; s <= shareCount_; ++s)
+            parts_.push_back(firstRay(s, rays_->size()));
     }
     const RayBundle<Dim>& rays = sorting ? *sorted_ : *rays_;
     ChunkQueue queue(parts_.size() - 1, shareCount_);
+    for (std::size_t s = 0; s < shareCount_; ++s) shares_[s].horizon.expect();
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
-        share.state.countMapSaturation(map, model, policy);
-        share.horizon.begin(rays, map, share.state);
-        while (const auto part = queue.take(s))
-            share.horizon.walk(parts_[*part], parts_[*part + 1]);
-        share.horizon.end();
-        share.culled += share.horizon.culled();
+        HorizonWalk<Dim>& walk = share.horizon;
+        {
+            const EndOfWalk<Dim> atEnd{walk};
+            if (!sorting) share.state.reset(blocks_);
+            share.state.countMapSaturation(map, model, policy);
+            walk.begin(rays, map, share.state);
+            while (const auto part = queue.take(s)) walk.walk(parts_[*part], parts_[*part + 1]);
+        }
+        for (std::size_t i = 1; i < shareCount_; ++i)
+            walk.help(shares_[(s + i) % shareCount_].horizon);
+        share.culled += walk.culled();
     });
 }
 
@@ -142,6 +153,7 @@ void ScanWalk<Dim>::sortByDirection() {
     const std::size_t count = rays_->size();
     inParallel(shareCount_, [&](std::size_t s) {
         const std::size_t first = firstRay(s, count), rays = firstRay(s + 1, count) - first;
+        shares_[s].state.reset(blocks_);
         std::vector<std::uint8_t>& kinds = shares_[s].kinds;
         kinds.resize(rays);
         constexpr std::size_t kMost = RayDirections<Dim>::kMost;

@@ -61,6 +61,7 @@ class ScanWalk {
     void sortByDirection();
 
     const RayBundle<Dim>* rays_ = nullptr;
+    BlockBox<Dim> blocks_;
     std::optional<RayBundle<Dim>> sorted_;  // the same rays, for several threads
     std::vector<std::uint32_t> order_;
     std::vector<std::size_t> parts_;  // first ray of each, and the end

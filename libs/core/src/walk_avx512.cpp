@@ -162,14 +162,20 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
             return static_cast<unsigned>(_mm512_cmpneq_epi64_mask(
                 _mm512_loadu_si512(extents + at), _mm512_loadu_si512(extents + at - 1)));
         };
-        const __m128i same =
-            _mm_cmpeq_epi8(_mm_loadu_si128(reinterpret_cast<const __m128i*>(ends + i)),
-                           _mm_loadu_si128(reinterpret_cast<const __m128i*>(ends + i - 1)));
+        const std::size_t n = std::min<std::size_t>(16, count - i);
+        const auto endsFrom = [&](std::size_t at) SUPERRAY_TARGET {
+            if (n == 16) return _mm_loadu_si128(reinterpret_cast<const __m128i*>(ends + at));
+            // There is nothing beyond the last ray that could be loaded.
+            alignas(16) RayEnd some[16] = {};
+            std::memcpy(some, ends + at, n);
+            return _mm_load_si128(reinterpret_cast<const __m128i*>(some));
+        };
+        const __m128i same = _mm_cmpeq_epi8(endsFrom(i), endsFrom(i - 1));
         unsigned fresh = _mm512_cmpneq_epi32_mask(tile, _mm512_loadu_si512(tiles + i - 1)) |
                          _mm512_cmpeq_epi32_mask(tile, lone) | differing64(i) |
                          differing64(i + 8) << 8 |
                          (~static_cast<unsigned>(_mm_movemask_epi8(same)) & 0xFFFF);
-        if (count - i < 16) fresh &= (1u << (count - i)) - 1;
+        fresh &= (1u << n) - 1;
         _mm512_storeu_si512(starts + runs,
                             _mm512_maskz_compress_epi32(static_cast<__mmask16>(fresh), ray));
         runs += static_cast<std::size_t>(__builtin_popcount(fresh));

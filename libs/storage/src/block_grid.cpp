@@ -42,6 +42,7 @@ struct Pending {
     Payload<Dim>* payload;  ///< nullptr: nothing to do
     std::array<float*, Payload<Dim>::kLayers> values;
     std::uint32_t fresh;  ///< bit z: layer z is new and its values unspecified
+    bool found;           ///< the map had all that is needed
     bool uniform;
 
     /// Makes all cells of new layers 0, as unknown ones are.
@@ -152,18 +153,36 @@ struct BlockGrid<Dim>::Impl {
         });
     }
 
-    /// Makes what the touched cells of a block need. \pre p.touched is set
-    void prepare(Pending<Dim>& p, const BlockKey<Dim>& key, bool hit) {
+    /// Finds what the touched cells of a block need. Makes nothing, so threads may do
+    /// this at once. \pre p.touched is set
+    /// \return false if something is missing
+    bool findFor(Pending<Dim>& p, const BlockKey<Dim>& key, bool hit) {
         p.payload = nullptr;
-        if (!p.touched.any()) return;
+        p.fresh = 0;
+        if (!p.touched.any()) return true;
+        Block* const block = find(key);
+        if (block == nullptr) return false;
+        if (block->payload == kUniform)  // saturated free: misses change nothing
+            return clamp.isAt(block->highest) && !hit;
+        Payload<Dim>& payload = payloads[block->payload];
+        for (int z = 0; z < Payload<Dim>::kLayers; ++z) {
+            p.values[z] = nullptr;
+            if (p.touched.words[z] == 0) continue;
+            if (payload.layers[z] == kNoLayer) return false;
+            p.values[z] = layers[payload.layers[z]].values.data();
+        }
+        if (hit) block->highest = kAnyLogOdds;
+        p.payload = &payload;
+        return true;
+    }
+
+    /// Makes what findFor() missed.
+    void makeFor(Pending<Dim>& p, const BlockKey<Dim>& key, bool hit) {
         Block* block = find(key);
-        if (block && block->payload == kUniform && clamp.isAt(block->highest) && !hit)
-            return;  // saturated free: misses change nothing
-        if (!block) block = &add(key);
+        if (block == nullptr) block = &add(key);
         Payload<Dim>& payload = expand(*block);
         if (hit) block->highest = kAnyLogOdds;
         p.payload = &payload;
-        p.fresh = 0;
         for (int z = 0; z < Payload<Dim>::kLayers; ++z) {
             p.values[z] = nullptr;
             if (p.touched.words[z] == 0) continue;
@@ -260,37 +279,38 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
             const std::size_t n = last - first;
             const std::size_t end = shareBegin(n, share + 1, shares);
             for (std::size_t i = shareBegin(n, share, shares); i < end; ++i)
-                work(impl_->pending[i], batch.misses(first + i), batch.hits(first + i));
+                work(impl_->pending[i], first + i);
         };
         inParallel(shares, [&](std::size_t share) {
-            forShare(share, [&](Pending<Dim>& p, const std::uint8_t* misses,
-                                const std::uint8_t* hits) {
-                fold.touchedCells(Payload<Dim>::kLayers, misses, hits, p.touched.words.data());
+            forShare(share, [&](Pending<Dim>& p, std::size_t b) {
+                fold.touchedCells(Payload<Dim>::kLayers, batch.misses(b), batch.hits(b),
+                                  p.touched.words.data());
+                p.found = impl_->findFor(p, batch.key(b), batch.hits(b) != nullptr);
             });
         });
-        std::size_t prepared = first;
+        std::size_t b = first;
         try {
-            for (; prepared < last; ++prepared)
-                impl_->prepare(impl_->pending[prepared - first], batch.key(prepared),
-                               batch.hits(prepared) != nullptr);
+            for (; b < last; ++b)
+                if (Pending<Dim>& p = impl_->pending[b - first]; !p.found)
+                    impl_->makeFor(p, batch.key(b), batch.hits(b) != nullptr);
         } catch (...) {
-            for (std::size_t b = first; b <= prepared; ++b) impl_->pending[b - first].clear();
+            for (std::size_t made = first; made <= b; ++made)
+                impl_->pending[made - first].clear();
             throw;
         }
         inParallel(shares, [&](std::size_t share) {
-            forShare(share, [&](Pending<Dim>& p, const std::uint8_t* misses,
-                                const std::uint8_t* hits) {
+            forShare(share, [&](Pending<Dim>& p, std::size_t block) {
                 if (p.payload == nullptr) return;
                 p.clear();
                 fold.foldCounts(
                     foldModel,
                     {Payload<Dim>::kLayers, p.values.data(), p.touched.words.data(),
                      p.payload->known.words.data(), p.payload->saturated.words.data()},
-                    misses, hits);
+                    batch.misses(block), batch.hits(block));
                 p.uniform = impl_->isUniform(*p.payload);
             });
         });
-        for (std::size_t b = first; b < last; ++b)
+        for (b = first; b < last; ++b)
             if (const Pending<Dim>& p = impl_->pending[b - first]; p.payload && p.uniform)
                 impl_->collapse(*impl_->find(batch.key(b)));
     }

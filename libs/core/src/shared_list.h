@@ -1,0 +1,62 @@
+#pragma once
+// A list that its owner works off, helped by threads that have nothing else to do.
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <thread>
+
+namespace superray {
+
+/// Some of a list: [begin, end).
+struct ListPiece {
+    std::size_t begin, end;
+};
+
+class SharedList {
+ public:
+    /// By the owner: a list of `size` things is there to be worked off. What it
+    /// published before must be taken. \pre size < 2^32
+    void publish(std::size_t size) { left_.store(size, std::memory_order_release); }
+    /// By anyone: some things that are left; nothing when all are taken.
+    std::optional<ListPiece> take() {
+        std::uint64_t now = left_.load(std::memory_order_relaxed);
+        for (;;) {
+            const std::uint64_t begin = now >> 32, end = now & 0xFFFFFFFF;
+            if (begin == end) return std::nullopt;
+            const std::uint64_t next = std::min(begin + kAtOnce, end);
+            if (left_.compare_exchange_weak(now, next << 32 | end, std::memory_order_acquire,
+                                            std::memory_order_relaxed))
+                return ListPiece{begin, next};
+        }
+    }
+
+    /// By the owner: there will be lists, and nothing is left of earlier ones; there
+    /// will be no more.
+    void open() {
+        left_.store(0, std::memory_order_relaxed);
+        open_.store(true, std::memory_order_relaxed);
+    }
+    void close() { open_.store(false, std::memory_order_release); }
+    /// By others: work(piece) until all is taken and there will be no more.
+    template <typename Work>
+    void help(const Work& work) {
+        for (;;) {
+            const bool last = !open_.load(std::memory_order_acquire);
+            while (const auto piece = take()) work(*piece);
+            if (last) return;
+            std::this_thread::yield();
+        }
+    }
+
+ private:
+    /// Small enough to share evenly, large enough to seldom meet.
+    static constexpr std::uint64_t kAtOnce = 512;
+
+    std::atomic<std::uint64_t> left_{0};  // begin << 32 | end
+    std::atomic<bool> open_{false};
+};
+
+}  // namespace superray
