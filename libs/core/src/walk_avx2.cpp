@@ -170,6 +170,7 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 //
 #include "walk_ends.inc"
 //
+#define SUPERRAY_ROUNDS
 #include "find_directions.inc"
 //
 #include "find_runs.inc"

@@ -135,6 +135,7 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 //
 #include "walk_ends.inc"
 //
+#define SUPERRAY_ROUNDS
 #include "find_directions.inc"
 //
 #define SUPERRAY_POINT_LANES 16
