@@ -397,7 +397,7 @@ TEST(Extent, ComparesAndJoinsAxisByAxis) {
     int within = 0;
     for (int i = 0; i < 2000; ++i) {
         std::int32_t a[3], b[3];
-        Extent ea, eb;
+        Extent ea{}, eb{};
         bool expected = true;
         for (int axis = 0; axis < 3; ++axis) {
             const int most = test::integer(random, 0, 1) ? 65535 : 3;

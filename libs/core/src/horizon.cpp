@@ -11,9 +11,10 @@ void Horizon<Dim>::reset(const DirectionTiles<Dim>& tiles, const Units<Dim>& ori
     tilesWithRays_ = 0;
     levelBegin_.clear();
     for (int l = 0; l <= tiles.levels; ++l) levelBegin_.push_back(tiles.levelBegin(l));
-    reach_.resize(tiles.count() + HorizonView<Dim>::kSlack);
-    open_.resize(tiles.count() + HorizonView<Dim>::kSlack);
-    limit_.resize(tiles.count());
+    reach_.reserve(tiles.count() + HorizonView<Dim>::kSlack);
+    open_.reserve(tiles.count() + HorizonView<Dim>::kSlack);
+    limit_.reserve(tiles.count());
+    reach_[tiles.lone()] = Extent{};
     for (int a = 0; a < Dim; ++a) {
         sensor_[a] = RayLine<Dim>::cellOfUnits(origin[a]);
         within_[a] = static_cast<float>(origin[a] & (kUnitsPerCell - 1)) /
@@ -24,9 +25,9 @@ void Horizon<Dim>::reset(const DirectionTiles<Dim>& tiles, const Units<Dim>& ori
 template <int Dim>
 void Horizon<Dim>::use(std::uint32_t kinds) {
     for (std::uint32_t left = kinds & ~used_; left != 0; left &= left - 1)
-        std::fill_n(reach_.begin() + static_cast<std::ptrdiff_t>(
-                                         perKind_ * static_cast<unsigned>(__builtin_ctz(left))),
-                    perKind_, Extent{});
+        std::fill_n(
+            reach_.data() + std::size_t{perKind_} * static_cast<unsigned>(__builtin_ctz(left)),
+            perKind_, Extent{});
     used_ |= kinds;
 }
 
@@ -94,17 +95,23 @@ void Horizon<Dim>::completeReach() {
 
 template <int Dim>
 void Horizon<Dim>::clear() {
-    for (std::uint32_t left = used_; left != 0; left &= left - 1)
-        std::fill_n(open_.begin() + static_cast<std::ptrdiff_t>(
-                                        perKind_ * static_cast<unsigned>(__builtin_ctz(left))),
-                    perKind_, kNever);
-    open_[tiles_.lone()] = 0;
+    openFrom(kNever);
     completeLimits();
 }
 
 template <int Dim>
 void Horizon<Dim>::openAll() {
-    std::fill(open_.begin(), open_.end(), Slice{0});
+    openFrom(0);
+}
+
+/// All tiles, but that of the lone rays, which are walked from the beginning.
+template <int Dim>
+void Horizon<Dim>::openFrom(Slice slice) {
+    for (std::uint32_t left = used_; left != 0; left &= left - 1)
+        std::fill_n(
+            open_.data() + std::size_t{perKind_} * static_cast<unsigned>(__builtin_ctz(left)),
+            perKind_, slice);
+    open_[tiles_.lone()] = 0;
 }
 
 template <int Dim>

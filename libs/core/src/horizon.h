@@ -7,6 +7,7 @@
 
 #include "horizon_view.h"
 #include "ray_directions.h"
+#include "scratch_array.h"
 #include "surprise.h"
 
 #include <algorithm>
@@ -54,6 +55,7 @@ class Horizon {
  private:
     template <typename Visit>
     void forEachSight(const BlockKey<Dim>& block, const Visit& visit) const;
+    void openFrom(Slice slice);
     void completeLimits();
     template <Branches branches>
     std::size_t addInTurns(const RayDirections<Dim>& directions, const std::uint32_t* rays,
@@ -68,10 +70,11 @@ class Horizon {
     Cell<Dim> sensor_{};
     float within_[Dim] = {};  // of the origin in its cell
     std::vector<std::uint32_t> levelBegin_;
-    std::vector<Extent> reach_;  // largest, axis by axis
-    std::vector<Slice> open_;
+    // Only kinds that are used are initialised.
+    ScratchArray<Extent> reach_;  // largest, axis by axis
+    ScratchArray<Slice> open_;
     /// The farthest slice that rays reach and that is not behind an open cell, + 1.
-    std::vector<Slice> limit_;
+    ScratchArray<Slice> limit_;
     std::uint32_t opened_ = 0;  // tiles since the limits were computed
 };
 

@@ -73,11 +73,9 @@ template <int Dim>
 void HorizonWalk<Dim>::findDirections(std::size_t count) {
     constexpr std::size_t kMost = RayDirections<Dim>::kMost;
     constexpr std::size_t kSlack = RayDirections<Dim>::kSlack;
-    if (tile_.size() < count + kSlack) {
-        tile_.resize(count + kSlack);
-        lastSlice_.resize(count + kSlack);
-        chosen_.resize(count + kSlack);
-    }
+    tile_.reserve(count + kSlack);
+    lastSlice_.reserve(count + kSlack);
+    chosen_.reserve(count + kSlack);
     for (std::size_t at = 0; at < count; at += kMost) {
         const std::size_t rays = std::min(kMost, count - at);
         kernels_.findDirections(*rays_, first_ + at, rays, state_->directory, tiles_,

@@ -65,9 +65,9 @@ class HorizonWalk {
     std::array<std::uint32_t, RayDirections<Dim>::kMost + RayDirections<Dim>::kSlack>
         starts_;  // of runs in there
     Surprise hitsMatter_;
-    std::vector<std::uint32_t> tile_;       // per ray
-    std::vector<std::uint16_t> lastSlice_;  // per ray
-    std::vector<std::uint32_t> chosen_;     // rays to walk, in turns with others
+    ScratchArray<std::uint32_t> tile_;       // per ray
+    ScratchArray<std::uint16_t> lastSlice_;  // per ray
+    ScratchArray<std::uint32_t> chosen_;     // rays to walk, in turns with others
     std::unique_ptr<SharedList> list_ = std::make_unique<SharedList>();
     Horizon<Dim> horizon_;
     SettledRegion<Dim> region_;

@@ -10,7 +10,7 @@ class PackedTriple {
  public:
     static constexpr int kBits = 21;
 
-    PackedTriple() = default;
+    PackedTriple() = default;  ///< not initialised, unlike PackedTriple{}
     explicit PackedTriple(std::uint64_t packed) : packed_(packed) {}
     /// \pre the number is 0 so far; 0 <= value < 2^20
     void set(int i, std::int32_t value) {
@@ -38,7 +38,7 @@ class PackedTriple {
     static constexpr std::uint64_t kAll = kAbove | kAbove << kBits | kAbove << (2 * kBits);
 
  private:
-    std::uint64_t packed_ = 0;
+    std::uint64_t packed_;
 };
 
 }  // namespace superray

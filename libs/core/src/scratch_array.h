@@ -1,0 +1,33 @@
+#pragma once
+// Memory for values that are written before they are read.
+
+#include <cstddef>
+#include <memory>
+#include <type_traits>
+
+namespace superray {
+
+/// An array that is not initialised and does not keep its contents when it grows: what
+/// is never written takes no memory.
+template <typename T>
+class ScratchArray {
+    static_assert(std::is_trivially_default_constructible_v<T>);
+
+ public:
+    /// Room for at least `n`; what was there is lost.
+    void reserve(std::size_t n) {
+        if (n <= capacity_) return;
+        values_.reset(new T[n]);
+        capacity_ = n;
+    }
+    T* data() { return values_.get(); }
+    const T* data() const { return values_.get(); }
+    T& operator[](std::size_t i) { return values_[i]; }
+    const T& operator[](std::size_t i) const { return values_[i]; }
+
+ private:
+    std::unique_ptr<T[]> values_;
+    std::size_t capacity_ = 0;
+};
+
+}  // namespace superray
