@@ -222,8 +222,9 @@ std::size_t HorizonWalk<Dim>::countInTurns(std::size_t at, std::size_t runs) {
         if (kinds[i] != RayEnd::hit) return;
         if (directions_.block[i] != place.block) {
             place.block = directions_.block[i];
-            const Cell<Dim> cell = rays_->geometry().cellOf(rays_->end(at + i));
-            const std::uint8_t* const hits = state_->hitsOf(blockOf<Dim>(cell));
+            const std::uint8_t* const hits = state_->hitsOf(place.block, [&] {
+                return blockOf<Dim>(rays_->geometry().cellOf(rays_->end(at + i)));
+            });
             arena = state_->batch.hitArena();
             place.offset = static_cast<std::size_t>(hits - arena);
         }

@@ -74,6 +74,13 @@ struct WalkState {
     }
     /// Hit counts of a block, which is made on first use.
     std::uint8_t* hitsOf(const BlockKey<Dim>& key) { return batch.hitsOf(batchBlock(key)); }
+    /// The same of the block with this index in the directory, whose key is only asked
+    /// for if it has no counts yet. \pre the directory is dense
+    template <typename KeyOf>
+    std::uint8_t* hitsOf(std::uint32_t index, const KeyOf& keyOf) {
+        const std::uint32_t n = directory.data()[index] & ~kMayExceedUnknown;
+        return n < kFirstBlock ? hitsOf(keyOf()) : batch.hitsOf(n - kFirstBlock);
+    }
     /// Whether more hits change nothing.
     bool sureHit(std::uint8_t hits) const { return hits >= sureHits_; }
     /// Cells with so many hits that they end up at the upper clamp (with
