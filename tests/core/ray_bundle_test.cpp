@@ -140,5 +140,25 @@ TEST(RayBundle, ManyReturnsAfterARayWithItsOwnOrigin) {
     expectEqual(many, one);
 }
 
+TEST(RayBundle, CopiesInAnotherOrder) {
+    const CellGeometry<3> g(0.1), other(0.2);
+    RayBundle<3> scan(g, Point<3>(1, 2, 3));
+    for (int i = 0; i < 100; ++i)
+        scan.add(Point<3>(i, -i, 0.5 * i), i % 3 == 0 ? RayEnd::open : RayEnd::hit);
+    RayBundle<3> copy(other, Point<3>::Zero());
+    copy.add(Point<3>(9, 9, 9));
+    copy.restartLike(scan);
+    ASSERT_EQ(copy.size(), 100u);
+    for (std::size_t i = 0; i < 100; ++i) copy.place(99 - i, scan, i);
+    EXPECT_EQ(copy.geometry().resolution(), 0.1);
+    EXPECT_EQ(copy.commonOrigin(), scan.commonOrigin());
+    EXPECT_EQ(copy.lowest(), scan.lowest());
+    EXPECT_EQ(copy.highest(), scan.highest());
+    for (std::size_t i = 0; i < 100; ++i) {
+        EXPECT_EQ(copy.end(99 - i), scan.end(i));
+        EXPECT_EQ(copy.kind(99 - i), scan.kind(i));
+    }
+}
+
 }  // namespace
 }  // namespace superray

@@ -64,6 +64,17 @@ void RayBundle<Dim>::reserve(std::size_t n) {
 }
 
 template <int Dim>
+void RayBundle<Dim>::restartLike(const RayBundle& other) {
+    geometry_ = other.geometry_;
+    restart(other.origin_);
+    lowest_ = other.lowest_;
+    highest_ = other.highest_;
+    reserve(other.size());
+    for (Coordinates& c : ends_) c.grow(other.size());
+    kinds_.resize(other.size());
+}
+
+template <int Dim>
 template <typename Scalar>
 void RayBundle<Dim>::addPoints(const Scalar* ends, std::size_t count) {
     static const CopyPoints<Dim, Scalar> copyPoints = bestPointKernels<Dim>().copy(Scalar{});

@@ -148,51 +148,57 @@ void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const Sens
 /// several: rays of a kind, in the sensor's order, or pieces of them.
 template <int Dim>
 void ScanWalk<Dim>::sortByDirection() {
-    static const FindDirections<Dim> findDirections = bestKernels<Dim>().findDirections;
-    constexpr std::size_t kKinds = DirectionTiles<Dim>::kKinds + 1;  // and lone rays
     const std::size_t count = rays_->size();
     inParallel(shareCount_, [&](std::size_t s) {
-        const std::size_t first = firstRay(s, count), rays = firstRay(s + 1, count) - first;
         shares_[s].state.reset(blocks_);
-        std::vector<std::uint8_t>& kinds = shares_[s].kinds;
-        kinds.resize(rays);
-        constexpr std::size_t kMost = RayDirections<Dim>::kMost;
-        DirectionTiles<Dim> tiles;
-        RayDirections<Dim> directions;
-        std::array<std::uint32_t, kMost> tile;
-        std::array<std::uint16_t, kMost> lastSlice;
-        for (std::size_t at = 0; at < rays; at += kMost) {
-            const std::size_t n = std::min(kMost, rays - at);
-            findDirections(*rays_, first + at, n, shares_[s].state.directory, tiles,
-                           tile.data(), lastSlice.data(), directions);
-            for (std::size_t i = 0; i < n; ++i)
-                kinds[at + i] = static_cast<std::uint8_t>(tiles.kindOf(tile[i]));
-        }
+        findKinds(shares_[s], firstRay(s, count), firstRay(s + 1, count));
     });
-    const auto forEachKind = [&](const auto& visit) {
-        std::size_t ray = 0;
-        for (std::size_t s = 0; s < shareCount_; ++s)
-            for (const std::uint8_t kind : shares_[s].kinds) visit(ray++, kind);
-    };
-    std::array<std::size_t, kKinds> next{};
-    forEachKind([&](std::size_t, std::uint8_t kind) { ++next[kind]; });
     parts_ = {0};
     const std::size_t most = count / (kPartsPerShare * shareCount_) + 1;
-    for (std::size_t& n : next) {
-        const std::size_t rays = n, begin = n = parts_.back();
+    std::size_t begin = 0;
+    for (std::size_t kind = 0; kind < kSortedKinds; ++kind) {
+        std::size_t rays = 0;  // of the kind
+        for (std::size_t s = 0; s < shareCount_; ++s) {
+            // From counts to where the share's rays of the kind go.
+            const std::size_t n = shares_[s].ofKind[kind];
+            shares_[s].ofKind[kind] = begin + rays;
+            rays += n;
+        }
         const std::size_t pieces = (rays + most - 1) / most;
         for (std::size_t i = 1; i <= pieces; ++i)
             parts_.push_back(begin + shareBegin(rays, i, pieces));
+        begin += rays;
     }
-    order_.resize(count);
-    forEachKind([&](std::size_t ray, std::uint8_t kind) {
-        order_[next[kind]++] = static_cast<std::uint32_t>(ray);
+    if (!sorted_) sorted_.emplace(rays_->geometry(), rays_->commonOrigin());
+    sorted_->restartLike(*rays_);
+    inParallel(shareCount_, [&](std::size_t s) {
+        std::size_t ray = firstRay(s, count);
+        for (const std::uint8_t kind : shares_[s].kinds)
+            sorted_->place(shares_[s].ofKind[kind]++, *rays_, ray++);
     });
-    if (!sorted_ || sorted_->geometry().resolution() != rays_->geometry().resolution())
-        sorted_.emplace(rays_->geometry(), rays_->commonOrigin());
-    sorted_->restart(rays_->commonOrigin());
-    sorted_->reserve(count);
-    for (const std::uint32_t ray : order_) sorted_->add(rays_->end(ray), rays_->kind(ray));
+}
+
+/// Finds the kinds of the rays [first, last), and how many there are of each.
+template <int Dim>
+void ScanWalk<Dim>::findKinds(Share& share, std::size_t first, std::size_t last) {
+    static const FindDirections<Dim> findDirections = bestKernels<Dim>().findDirections;
+    constexpr std::size_t kMost = RayDirections<Dim>::kMost;
+    DirectionTiles<Dim> tiles;
+    RayDirections<Dim> directions;
+    std::array<std::uint32_t, kMost> tile;
+    std::array<std::uint16_t, kMost> lastSlice;
+    share.kinds.resize(last - first);
+    share.ofKind.fill(0);
+    for (std::size_t at = first; at < last; at += kMost) {
+        const std::size_t n = std::min(kMost, last - at);
+        findDirections(*rays_, at, n, share.state.directory, tiles, tile.data(),
+                       lastSlice.data(), directions);
+        for (std::size_t i = 0; i < n; ++i) {
+            const std::uint32_t kind = tiles.kindOf(tile[i]);
+            share.kinds[at - first + i] = static_cast<std::uint8_t>(kind);
+            ++share.ofKind[kind];
+        }
+    }
 }
 
 template <int Dim>

@@ -11,6 +11,7 @@
 #include "ray_walker.h"
 #include "scan_extent.h"
 
+#include <array>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -45,12 +46,16 @@ class ScanWalk {
     std::uint64_t culled() const;
 
  private:
+    /// Kinds of rays, and lone rays.
+    static constexpr std::size_t kSortedKinds = DirectionTiles<Dim>::kKinds + 1;
+
     /// One thread's part of a scan.
     struct Share {
         WalkState<Dim> state;
         EndCells<Dim> ends;
         HorizonWalk<Dim> horizon;
-        std::vector<std::uint8_t> kinds;  // of its rays, when they are sorted
+        std::vector<std::uint8_t> kinds;               // of its rays, when they are sorted
+        std::array<std::size_t, kSortedKinds> ofKind;  // how many; where the next one goes
         std::uint64_t culled = 0;
     };
 
@@ -59,12 +64,12 @@ class ScanWalk {
     }
     void countEndCells();
     void sortByDirection();
+    void findKinds(Share& share, std::size_t first, std::size_t last);
 
     const RayBundle<Dim>* rays_ = nullptr;
     BlockBox<Dim> blocks_;
     std::optional<RayBundle<Dim>> sorted_;  // the same rays, for several threads
-    std::vector<std::uint32_t> order_;
-    std::vector<std::size_t> parts_;  // first ray of each, and the end
+    std::vector<std::size_t> parts_;        // first ray of each, and the end
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
 };

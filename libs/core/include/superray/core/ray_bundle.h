@@ -66,6 +66,7 @@ class Coordinates {
     double* end() { return values_.get() + size_; }
     /// \pre that many values were filled in
     void grow(std::size_t n) { size_ += n; }
+    void set(std::size_t i, double v) { values_[i] = v; }
     void clear() { size_ = 0; }
 
  private:
@@ -108,6 +109,15 @@ class RayBundle {
     void add(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind);
 
     void reserve(std::size_t n);
+
+    /// Begins a copy of another scan in another order: with its origin, bounds and
+    /// number of rays, each of which is to be placed. \pre other.hasCommonOrigin()
+    void restartLike(const RayBundle& other);
+    /// Ray i becomes a copy of a ray of that scan. Threads may place different rays.
+    void place(std::size_t i, const RayBundle& other, std::size_t ray) {
+        for (int a = 0; a < Dim; ++a) ends_[a].set(i, other.ends_[a][ray]);
+        kinds_[i] = other.kinds_[ray];
+    }
 
     const CellGeometry<Dim>& geometry() const { return geometry_; }
     std::size_t size() const { return kinds_.size(); }
