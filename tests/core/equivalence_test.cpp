@@ -183,6 +183,20 @@ TYPED_TEST(Equivalence, OriginsPerRay) {
     for (const TestMap<Dim>& map : maps) expectSameBits<Dim>(map.cells, reference.cells());
 }
 
+/// The map that some scans make with `auto`.
+template <int Dim>
+TestMap<Dim> mapOf(const std::vector<RayBundle<Dim>>& scans, const SensorModel& model,
+                   unsigned threads) {
+    IntegratorOptions options;
+    options.threads = threads;
+    ScanIntegrator<Dim> integrator;
+    TestMap<Dim> map;
+    for (const auto& scan : scans)
+        map.apply(integrator.integrate(scan, model, options, &map), model,
+                  UpdatePolicy::everyRay);
+    return map;
+}
+
 // Threads share out long rays by direction.
 TYPED_TEST(Equivalence, LongRaysInThreads) {
     constexpr int Dim = TypeParam::value;
@@ -204,16 +218,8 @@ TYPED_TEST(Equivalence, LongRaysInThreads) {
         scans.push_back(std::move(scan));
     }
     EXPECT_EQ(rays, 3u * 1200);
-    for (unsigned threads : {1u, 2u, 3u, 4u}) {
-        IntegratorOptions options;
-        options.threads = threads;
-        ScanIntegrator<Dim> integrator;
-        TestMap<Dim> map;
-        for (const auto& scan : scans)
-            map.apply(integrator.integrate(scan, model, options, &map), model,
-                      UpdatePolicy::everyRay);
-        expectSameBits<Dim>(map.cells, reference.cells());
-    }
+    for (unsigned threads : {1u, 2u, 3u, 4u})
+        expectSameBits<Dim>(mapOf<Dim>(scans, model, threads).cells, reference.cells());
 }
 
 // Many rays a tile, so that some are walked first; and threads that help each other.
@@ -236,18 +242,10 @@ TYPED_TEST(Equivalence, DenseScansInThreads) {
         reference.insert(scan);
         scans.push_back(std::move(scan));
     }
-    for (int repetition = 0; repetition < 30; ++repetition) {
-        for (unsigned threads : {2u, 3u, 8u}) {
-            IntegratorOptions options;
-            options.threads = threads;
-            ScanIntegrator<Dim> integrator;
-            TestMap<Dim> map;
-            for (const auto& scan : scans)
-                map.apply(integrator.integrate(scan, model, options, &map), model,
-                          UpdatePolicy::everyRay);
-            ASSERT_NO_FATAL_FAILURE(expectSameBits<Dim>(map.cells, reference.cells()));
-        }
-    }
+    for (int repetition = 0; repetition < 30; ++repetition)
+        for (unsigned threads : {2u, 3u, 8u})
+            ASSERT_NO_FATAL_FAILURE(expectSameBits<Dim>(mapOf<Dim>(scans, model, threads).cells,
+                                                        reference.cells()));
 }
 
 TYPED_TEST(Equivalence, HugeExtentsUseTheSparseDirectory) {

@@ -3,6 +3,7 @@
 #include "walk_kernel.h"
 
 namespace superray {
+
 template <int Dim>
 void Horizon<Dim>::reset(const DirectionTiles<Dim>& tiles, const Units<Dim>& origin) {
     tiles_ = tiles;
@@ -41,29 +42,20 @@ void Horizon<Dim>::addRays(const RayDirections<Dim>& directions, const std::uint
                       count);
 }
 
-/// Neighbours often go the same way, and would wait for each other's stores: so rays
-/// are taken from several places in turn.
+/// Neighbours often go the same way.
 /// \return number of rays that changed something
 template <int Dim>
 template <Branches branches>
 std::size_t Horizon<Dim>::addInTurns(const RayDirections<Dim>& directions,
                                      const std::uint32_t* rays, std::size_t count) {
     std::size_t changes = 0;
-    const auto add = [&](std::size_t i) {
+    inTurns(count, [&](std::size_t, std::size_t i) {
         const Extent extent = directions.extent[rays[i]];
         Extent& reach = reach_[directions.tile[rays[i]]];  // that of the lone tile is not used
         const bool change = !extent.within(reach);
         changes += change;
         if (branches == Branches::none || change) reach = reach.joined(extent);
-    };
-    const std::size_t quarter = count / 4;
-    for (std::size_t i = 0; i < quarter; ++i) {
-        add(i);
-        add(quarter + i);
-        add(2 * quarter + i);
-        add(3 * quarter + i);
-    }
-    for (std::size_t i = 4 * quarter; i < count; ++i) add(i);
+    });
     return changes;
 }
 
@@ -74,21 +66,27 @@ void Horizon<Dim>::completeReach() {
             reach_.data() + perKind_ * static_cast<unsigned>(__builtin_ctz(left));
         for (std::uint32_t t = 0; t < levelBegin_.data()[1]; ++t)
             tilesWithRays_ += kind[t] != Extent();
-        for (int level = 1; level <= tiles_.levels; ++level) {
-            const Extent* fine = kind + levelBegin_[static_cast<std::size_t>(level - 1)];
-            Extent* coarse = kind + levelBegin_[static_cast<std::size_t>(level)];
-            const std::uint32_t edge = tiles_.edge(level);
-            for (std::uint32_t y = 0; y < (Dim == 3 ? edge : 1); ++y) {
-                for (std::uint32_t x = 0; x < edge; ++x) {
-                    coarse[x] = fine[2 * x].joined(fine[2 * x + 1]);
-                    if (Dim == 3)
-                        coarse[x] = coarse[x]
-                                        .joined(fine[2 * edge + 2 * x])
-                                        .joined(fine[2 * edge + 2 * x + 1]);
-                }
-                coarse += edge;
-                fine += 4 * edge;
+        raise(kind, [](Extent x, Extent y) { return x.joined(y); });
+    }
+}
+
+/// Fills in the coarser levels of a kind: what is joined of the tiles below.
+template <int Dim>
+template <typename Value, typename Join>
+void Horizon<Dim>::raise(Value* kind, const Join& join) const {
+    for (int level = 1; level <= tiles_.levels; ++level) {
+        const Value* fine = kind + levelBegin_[static_cast<std::size_t>(level - 1)];
+        Value* coarse = kind + levelBegin_[static_cast<std::size_t>(level)];
+        const std::uint32_t edge = tiles_.edge(level);
+        for (std::uint32_t y = 0; y < (Dim == 3 ? edge : 1); ++y) {
+            for (std::uint32_t x = 0; x < edge; ++x) {
+                coarse[x] = join(fine[2 * x], fine[2 * x + 1]);
+                if (Dim == 3)
+                    coarse[x] = join(coarse[x],
+                                     join(fine[2 * edge + 2 * x], fine[2 * edge + 2 * x + 1]));
             }
+            coarse += edge;
+            fine += 4 * edge;
         }
     }
 }
@@ -149,21 +147,7 @@ void Horizon<Dim>::completeLimits() {
         for (std::uint32_t t = 0; t < levelBegin_.data()[1]; ++t) {
             kind[t] = std::min(static_cast<Slice>(reach[t][d] + 1), open[t]);
         }
-        for (int level = 1; level <= tiles_.levels; ++level) {
-            const Slice* fine = kind + levelBegin_[static_cast<std::size_t>(level - 1)];
-            Slice* coarse = kind + levelBegin_[static_cast<std::size_t>(level)];
-            const std::uint32_t edge = tiles_.edge(level);
-            for (std::uint32_t y = 0; y < (Dim == 3 ? edge : 1); ++y) {
-                for (std::uint32_t x = 0; x < edge; ++x) {
-                    coarse[x] = std::max(fine[2 * x], fine[2 * x + 1]);
-                    if (Dim == 3)
-                        coarse[x] = std::max(coarse[x], std::max(fine[2 * edge + 2 * x],
-                                                                 fine[2 * edge + 2 * x + 1]));
-                }
-                coarse += edge;
-                fine += 4 * edge;
-            }
-        }
+        raise(kind, [](Slice x, Slice y) { return std::max(x, y); });
     }
 }
 

@@ -57,6 +57,8 @@ class Horizon {
     void forEachSight(const BlockKey<Dim>& block, const Visit& visit) const;
     void openFrom(Slice slice);
     void completeLimits();
+    template <typename Value, typename Join>
+    void raise(Value* kind, const Join& join) const;
     template <Branches branches>
     std::size_t addInTurns(const RayDirections<Dim>& directions, const std::uint32_t* rays,
                            std::size_t count);

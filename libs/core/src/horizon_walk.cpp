@@ -204,7 +204,7 @@ void HorizonWalk<Dim>::countHits(std::size_t at, std::size_t runs) {
     }
 }
 
-/// Runs are taken from several places in turn, as in Horizon::addRays().
+/// Neighbours often end in the same cell.
 /// \return number of runs whose hits changed something
 template <int Dim>
 template <Branches branches>
@@ -217,7 +217,8 @@ std::size_t HorizonWalk<Dim>::countInTurns(std::size_t at, std::size_t runs) {
     Place places[4];
     std::uint8_t* arena = nullptr;
     std::size_t changes = 0;
-    const auto add = [&](Place& place, std::size_t run) {
+    inTurns(runs, [&](std::size_t turn, std::size_t run) {
+        Place& place = places[turn];
         const std::size_t i = starts_[run];
         if (kinds[i] != RayEnd::hit) return;
         if (directions_.block[i] != place.block) {
@@ -233,15 +234,7 @@ std::size_t HorizonWalk<Dim>::countInTurns(std::size_t at, std::size_t runs) {
         changes += change;
         if (branches == Branches::none || change)
             hits = state_->saturatingAdd(hits, starts_[run + 1] - starts_[run]);
-    };
-    const std::size_t quarter = runs / 4;
-    for (std::size_t i = 0; i < quarter; ++i) {
-        add(places[0], i);
-        add(places[1], quarter + i);
-        add(places[2], 2 * quarter + i);
-        add(places[3], 3 * quarter + i);
-    }
-    for (std::size_t i = 4 * quarter; i < runs; ++i) add(places[3], i);
+    });
     return changes;
 }
 

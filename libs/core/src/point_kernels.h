@@ -1,5 +1,5 @@
 #pragma once
-// Points into a bundle: one kernel per instruction set.
+// Points into a bundle: what the kernels of an instruction set do.
 
 #include <superray/core/cell.h>
 
@@ -20,24 +20,5 @@ struct PointBatch {
 template <int Dim, typename Scalar>
 using CopyPoints = bool (*)(const Scalar* points, std::size_t count, double inverse,
                             PointBatch<Dim>& to);
-
-template <int Dim>
-struct PointKernels {
-    CopyPoints<Dim, float> copyFloats;
-    CopyPoints<Dim, double> copyDoubles;
-    CopyPoints<Dim, float> copy(float) const { return copyFloats; }
-    CopyPoints<Dim, double> copy(double) const { return copyDoubles; }
-};
-
-template <int Dim>
-PointKernels<Dim> portablePointKernels();
-/// \pre the processor has the instructions
-template <int Dim>
-PointKernels<Dim> avx2PointKernels();
-template <int Dim>
-PointKernels<Dim> avx512PointKernels();
-/// The fastest of this processor, see bestKernels().
-template <int Dim>
-PointKernels<Dim> bestPointKernels();
 
 }  // namespace superray

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "point_kernels.h"
+#include "walk_kernel.h"
 
 namespace superray {
 
@@ -77,7 +77,7 @@ void RayBundle<Dim>::restartLike(const RayBundle& other) {
 template <int Dim>
 template <typename Scalar>
 void RayBundle<Dim>::addPoints(const Scalar* ends, std::size_t count) {
-    static const CopyPoints<Dim, Scalar> copyPoints = bestPointKernels<Dim>().copy(Scalar{});
+    static const CopyPoints<Dim, Scalar> copyPoints = bestKernels<Dim>().copy(Scalar{});
     // Where all points of a batch are good, which is the rule, they are copied as
     // they are; else they are taken one by one.
     constexpr std::size_t kBatch = 512;

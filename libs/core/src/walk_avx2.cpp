@@ -1,7 +1,5 @@
 #include "walk_kernel.h"
 
-#include "point_kernels.h"
-
 #if defined(__x86_64__)
 #include <immintrin.h>
 
@@ -186,19 +184,14 @@ namespace superray {
 
 template <int Dim>
 WalkKernels<Dim> avx2Kernels() {
-    return {walkLine<Dim>, walkRays<Dim>, walkEnds<Dim>, findDirections<Dim>,
-            findRuns<Dim>, chooseRays,    atLeast<Dim>,  noteOpen<Dim>};
-}
-
-template <int Dim>
-PointKernels<Dim> avx2PointKernels() {
-    return {copyPoints<Dim, float>, copyPoints<Dim, double>};
+    return {walkLine<Dim>,          walkRays<Dim>, walkEnds<Dim>,
+            findDirections<Dim>,    findRuns<Dim>, chooseRays,
+            atLeast<Dim>,           noteOpen<Dim>, copyPoints<Dim, float>,
+            copyPoints<Dim, double>};
 }
 
 template WalkKernels<2> avx2Kernels();
 template WalkKernels<3> avx2Kernels();
-template PointKernels<2> avx2PointKernels();
-template PointKernels<3> avx2PointKernels();
 
 }  // namespace superray
 #endif

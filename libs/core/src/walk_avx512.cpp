@@ -1,7 +1,5 @@
 #include "walk_kernel.h"
 
-#include "point_kernels.h"
-
 #if defined(__x86_64__)
 #include <immintrin.h>
 
@@ -220,19 +218,14 @@ SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* tile,
 
 template <int Dim>
 WalkKernels<Dim> avx512Kernels() {
-    return {walkLine<Dim>, walkRays<Dim>, walkEnds<Dim>, findDirections<Dim>,
-            findRuns<Dim>, chooseRays,    atLeast<Dim>,  noteOpen<Dim>};
-}
-
-template <int Dim>
-PointKernels<Dim> avx512PointKernels() {
-    return {copyPoints<Dim, float>, copyPoints<Dim, double>};
+    return {walkLine<Dim>,          walkRays<Dim>, walkEnds<Dim>,
+            findDirections<Dim>,    findRuns<Dim>, chooseRays,
+            atLeast<Dim>,           noteOpen<Dim>, copyPoints<Dim, float>,
+            copyPoints<Dim, double>};
 }
 
 template WalkKernels<2> avx512Kernels();
 template WalkKernels<3> avx512Kernels();
-template PointKernels<2> avx512PointKernels();
-template PointKernels<3> avx512PointKernels();
 
 }  // namespace superray
 #endif

@@ -1,7 +1,6 @@
 #include <cstdlib>
 #include <string>
 
-#include "point_kernels.h"
 #include "walk_kernel.h"
 
 namespace superray {
@@ -38,23 +37,7 @@ WalkKernels<Dim> bestKernels() {
     }
 }
 
-template <int Dim>
-PointKernels<Dim> bestPointKernels() {
-    switch (bestInstructionSet()) {
-#if defined(__x86_64__)
-        case InstructionSet::avx512:
-            return avx512PointKernels<Dim>();
-        case InstructionSet::avx2:
-            return avx2PointKernels<Dim>();
-#endif
-        default:
-            return portablePointKernels<Dim>();
-    }
-}
-
 template WalkKernels<2> bestKernels();
 template WalkKernels<3> bestKernels();
-template PointKernels<2> bestPointKernels();
-template PointKernels<3> bestPointKernels();
 
 }  // namespace superray

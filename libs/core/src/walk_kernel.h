@@ -8,6 +8,7 @@
 
 #include "block_directory.h"
 #include "horizon_view.h"
+#include "point_kernels.h"
 #include "ray_directions.h"
 
 #include <algorithm>
@@ -226,12 +227,21 @@ struct WalkKernels {
     ChooseRays chooseRays;
     AtLeast<Dim> atLeast;
     NoteOpen<Dim> noteOpen;
+    CopyPoints<Dim, float> copyFloats;
+    CopyPoints<Dim, double> copyDoubles;
+
+    CopyPoints<Dim, float> copy(float) const { return copyFloats; }
+    CopyPoints<Dim, double> copy(double) const { return copyDoubles; }
 };
 
 /// The free cells in the slices [from, to), for any instruction set.
 template <int Dim>
 void walkPortable(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
                   std::int32_t to);
+/// Those of a ray of the common origin, from slice `from` on.
+template <int Dim>
+void walkPortable(WalkState<Dim>& state, const RayBundle<Dim>& rays, std::size_t ray,
+                  std::int32_t from);
 /// The portable kernels also serve directories that are not dense.
 template <int Dim>
 WalkKernels<Dim> portableKernels();

@@ -1,7 +1,5 @@
 #include "walk_kernel.h"
 
-#include "point_kernels.h"
-
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -56,6 +54,14 @@ void walkPortable(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t 
     });
 }
 
+template <int Dim>
+void walkPortable(WalkState<Dim>& state, const RayBundle<Dim>& rays, std::size_t ray,
+                  std::int32_t from) {
+    const RayLine<Dim> line(rays.geometry(), rays.commonOrigin(), rays.end(ray));
+    state.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
+    walkPortable(state, line, from, line.slices());
+}
+
 namespace {
 
 template <int Dim>
@@ -65,11 +71,8 @@ void walkLine(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from
 
 template <int Dim>
 void walkRays(WalkState<Dim>& state, const RayBundle<Dim>& rays, const RayLanes& lanes) {
-    for (int i = 0; i < lanes.count; ++i) {
-        const RayLine<Dim> line(rays.geometry(), rays.commonOrigin(), rays.end(lanes.ray[i]));
-        state.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
-        walkPortable(state, line, lanes.from[i], line.slices());
-    }
+    for (int i = 0; i < lanes.count; ++i)
+        walkPortable(state, rays, lanes.ray[i], lanes.from[i]);
 }
 
 template <int Dim>
@@ -84,20 +87,17 @@ BlockMask<Dim> atLeast(const std::uint8_t* counts, std::uint32_t least) {
 
 template <int Dim>
 WalkKernels<Dim> portableKernels() {
-    return {walkLine<Dim>, walkRays<Dim>, walkRays<Dim>, findDirections<Dim>,
-            findRuns<Dim>, chooseRays,    atLeast<Dim>,  noteOpen<Dim>};
-}
-
-template <int Dim>
-PointKernels<Dim> portablePointKernels() {
-    return {copyPoints<Dim, float>, copyPoints<Dim, double>};
+    return {walkLine<Dim>,          walkRays<Dim>, walkRays<Dim>,
+            findDirections<Dim>,    findRuns<Dim>, chooseRays,
+            atLeast<Dim>,           noteOpen<Dim>, copyPoints<Dim, float>,
+            copyPoints<Dim, double>};
 }
 
 template void walkPortable(WalkState<2>&, const RayLine<2>&, std::int32_t, std::int32_t);
 template void walkPortable(WalkState<3>&, const RayLine<3>&, std::int32_t, std::int32_t);
+template void walkPortable(WalkState<2>&, const RayBundle<2>&, std::size_t, std::int32_t);
+template void walkPortable(WalkState<3>&, const RayBundle<3>&, std::size_t, std::int32_t);
 template WalkKernels<2> portableKernels();
 template WalkKernels<3> portableKernels();
-template PointKernels<2> portablePointKernels();
-template PointKernels<3> portablePointKernels();
 
 }  // namespace superray

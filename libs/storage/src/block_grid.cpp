@@ -5,9 +5,6 @@
 #include "grid_blocks.h"
 
 #include <algorithm>
-#include <cstring>
-#include <limits>
-#include <utility>
 
 namespace superray {
 namespace {
