@@ -5,10 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
 #include <memory>
 #include <numeric>
 
 #include "core/ray_generators.h"
+#include "ray_sample.h"
 #include "settled_region.h"
 #include "walk_kernel.h"
 
@@ -357,11 +360,11 @@ TYPED_TEST(HorizonOf, RunsAreRaysThatGoAndEndAlike) {
     EXPECT_GT(runs, rays);
 }
 
-TYPED_TEST(HorizonOf, ChoicesAreRaysWithSomethingToTell) {
+TYPED_TEST(HorizonOf, ChosenAreRaysWithSomethingToTell) {
     constexpr int Dim = TypeParam::value;
     constexpr std::size_t kTiles = 501;
     Random random(4711);
-    std::size_t chosen = 0, sampled = 0;
+    std::size_t chosen = 0;
     for (std::size_t count : {0u, 1u, 15u, 16u, 17u, 5000u}) {
         std::vector<std::uint16_t> open(kTiles + 1), last(count + 16);
         std::vector<std::uint32_t> tile(count);  // chooseRays() reads no more
@@ -373,23 +376,41 @@ TYPED_TEST(HorizonOf, ChoicesAreRaysWithSomethingToTell) {
             tile[i] = static_cast<std::uint32_t>(test::integer(random, 0, int{kTiles} - 1));
             last[i] = static_cast<std::uint16_t>(test::integer(random, 0, 40000));
         }
-        for (Choice choice : {Choice::sample, Choice::others, Choice::all}) {
-            std::vector<std::uint32_t> expected;
-            for (std::uint32_t i = 0; i < count; ++i)
-                if (open[tile[i]] <= last[i] &&
-                    (choice == Choice::all || isSampled(i) == (choice == Choice::sample)))
-                    expected.push_back(i);
-            for (const WalkKernels<Dim>& kernels : allKernels<Dim>()) {
-                std::vector<std::uint32_t> got(count + 16);
-                got.resize(kernels.chooseRays(tile.data(), last.data(), count, open.data(),
-                                              choice, got.data()));
-                ASSERT_EQ(got, expected);
-            }
-            (choice == Choice::sample ? sampled : chosen) += expected.size();
+        std::vector<std::uint32_t> expected;
+        for (std::uint32_t i = 0; i < count; ++i)
+            if (open[tile[i]] <= last[i]) expected.push_back(i);
+        for (const WalkKernels<Dim>& kernels : allKernels<Dim>()) {
+            std::vector<std::uint32_t> got(count + 16);
+            got.resize(
+                kernels.chooseRays(tile.data(), last.data(), count, open.data(), got.data()));
+            ASSERT_EQ(got, expected);
         }
+        chosen += expected.size();
     }
     EXPECT_GT(chosen, 1000u);
-    EXPECT_GT(sampled, 100u);
+}
+
+TEST(RaySample, IsSpreadAndDependsOnTheNumberOfRaysOnly) {
+    RaySample used;
+    for (const std::size_t count : {0u, 5000u, 37u, 1u, 100000u, 640u}) {
+        RaySample fresh;
+        const std::vector<std::uint32_t> sample = used.of(count);
+        ASSERT_EQ(sample, fresh.of(count)) << count;
+        ASSERT_EQ(std::adjacent_find(sample.begin(), sample.end(), std::greater_equal<>{}),
+                  sample.end());
+        for (const std::uint32_t ray : sample) ASSERT_LT(ray, count);
+        const double expected = RaySample::kShare * static_cast<double>(count);
+        EXPECT_NEAR(static_cast<double>(sample.size()), expected, 2) << count;
+    }
+    // No column of a depth image is sampled much more than others.
+    constexpr std::uint32_t kColumns = 640, kRows = 480;
+    std::vector<int> perColumn(kColumns);
+    for (const std::uint32_t ray : used.of(kColumns * kRows)) ++perColumn[ray % kColumns];
+    const double mean = RaySample::kShare * kRows;
+    for (const int n : perColumn) {
+        EXPECT_GT(n, 0.5 * mean);
+        EXPECT_LT(n, 1.5 * mean);
+    }
 }
 
 TEST(Extent, ComparesAndJoinsAxisByAxis) {

@@ -110,6 +110,7 @@ void Horizon<Dim>::openFrom(Slice slice) {
             open_.data() + std::size_t{perKind_} * static_cast<unsigned>(__builtin_ctz(left)),
             perKind_, slice);
     open_[tiles_.lone()] = 0;
+    open_[tiles_.spent()] = kNever;
 }
 
 template <int Dim>

@@ -58,14 +58,13 @@ void HorizonWalk<Dim>::walk(std::size_t first, std::size_t last) {
     lookAround(count);
     culled_ += count;
     if (static_cast<double>(count) <= kDense * static_cast<double>(horizon_.tilesWithRays())) {
-        walkLast(count, Choice::all);
+        walkLast(count);
         return;
     }
     // What the sample saturates, the others are spared.
-    walkChosen(*this, {0, choose(count, Choice::sample)});
-    walkWaiting();
+    walkSample(count);
     if (slicesLeft(count) > kWorthIt * static_cast<double>(region_.work())) lookAround(count);
-    walkLast(count, Choice::others);
+    walkLast(count);
 }
 
 /// Finds where rays go and end, and counts their hits.
@@ -95,21 +94,31 @@ double HorizonWalk<Dim>::slicesLeft(std::size_t count) const {
     double slices = 0;
     for (std::size_t i = 0; i < count; i += kEach)
         slices += std::max(0, lastSlice_[i] + 1 - horizon_.firstOpen(tile_[i]));
-    return slices * kEach * (1 - kSampled);
+    return slices * kEach;
 }
 
-/// Chooses those rays that have something to tell, as far as the horizon knows.
+/// Walks those of a few rays that have something to tell.
 template <int Dim>
-std::size_t HorizonWalk<Dim>::choose(std::size_t count, Choice choice) {
-    return kernels_.chooseRays(tile_.data(), lastSlice_.data(), count, horizon_.firstOpen(),
-                               choice, chosen_.data());
+void HorizonWalk<Dim>::walkSample(std::size_t count) {
+    std::size_t n = 0;
+    for (const std::uint32_t ray : sample_.of(count)) {
+        chosen_[n] = ray;
+        n += horizon_.firstOpen(tile_[ray]) <= lastSlice_[ray];
+    }
+    walkChosen(*this, {0, n});
+    walkWaiting();
+    for (std::size_t i = 0; i < n; ++i) {
+        tile_[chosen_[i]] = tiles_.spent();
+        lastSlice_[chosen_[i]] = 0;
+    }
 }
 
-/// Walks the last rays of a part, with the help of others: nothing that these read
-/// may change afterwards.
+/// Walks the last rays of a part that have something to tell, as far as the horizon
+/// knows, with the help of others: nothing that these read may change afterwards.
 template <int Dim>
-void HorizonWalk<Dim>::walkLast(std::size_t count, Choice choice) {
-    list_->publish(choose(count, choice));
+void HorizonWalk<Dim>::walkLast(std::size_t count) {
+    list_->publish(kernels_.chooseRays(tile_.data(), lastSlice_.data(), count,
+                                       horizon_.firstOpen(), chosen_.data()));
     while (const auto piece = list_->take()) walkChosen(*this, *piece);
     walkWaiting();
 }

@@ -2,6 +2,7 @@
 // Method `auto`: each ray is walked from where it has something to tell, as far as
 // the map and the rays before it leave something to be told.
 
+#include "ray_sample.h"
 #include "settled_region.h"
 #include "shared_list.h"
 #include "walk_kernel.h"
@@ -47,8 +48,8 @@ class HorizonWalk {
     std::size_t countInTurns(std::size_t at, std::size_t runs);
     void lookAround(std::size_t count);
     double slicesLeft(std::size_t count) const;
-    std::size_t choose(std::size_t count, Choice choice);
-    void walkLast(std::size_t count, Choice choice);
+    void walkSample(std::size_t count);
+    void walkLast(std::size_t count);
     void walkChosen(const HorizonWalk& owner, ListPiece piece);
     void walkWaiting();
     void walkAlone(std::size_t ray);
@@ -68,6 +69,7 @@ class HorizonWalk {
     ScratchArray<std::uint32_t> tile_;       // per ray
     ScratchArray<std::uint16_t> lastSlice_;  // per ray
     ScratchArray<std::uint32_t> chosen_;     // rays to walk, in turns with others
+    RaySample sample_;
     std::unique_ptr<SharedList> list_ = std::make_unique<SharedList>();
     Horizon<Dim> horizon_;
     SettledRegion<Dim> region_;

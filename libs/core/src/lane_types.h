@@ -1,13 +1,11 @@
 #pragma once
-// Vectors of 8, which GCC and Clang split where a processor has shorter ones.
+// What the kernels of all instruction sets have in common.
 
 #include <cstdint>
 
 namespace superray {
 
-using Longs = std::int64_t __attribute__((vector_size(64)));
 using Ints = std::int32_t __attribute__((vector_size(32)));
-using Doubles = double __attribute__((vector_size(64)));
 
 /// The m-th axis, ascending, that is not the dominant one.
 template <int dominant>

@@ -39,7 +39,9 @@ struct DirectionTiles {
     std::uint32_t kindOf(std::uint32_t tile) const { return tile >> perKindBits(); }
     /// A tile of its own for rays of which single precision cannot tell a kind.
     std::uint32_t lone() const { return kKinds * perKind(); }
-    std::uint32_t count() const { return lone() + 1; }
+    /// One for rays that have nothing more to tell.
+    std::uint32_t spent() const { return lone() + 1; }
+    std::uint32_t count() const { return spent() + 1; }
 };
 
 /// Where some rays in a row go and end.
@@ -83,18 +85,6 @@ template <int Dim>
 using FindRuns = std::size_t (*)(const RayDirections<Dim>& directions, const RayEnd* ends,
                                  std::size_t count, std::uint32_t* starts);
 
-/// Which rays to choose.
-enum class Choice { sample, others, all };
-
-/// Whether a ray is part of the sample: as if by chance, so that it is spread over
-/// rows and columns of any sensor.
-inline constexpr double kSampled = 4.0 / 37;
-inline constexpr std::uint32_t kSampleFactor = 0x9E3779B1;
-inline constexpr auto kSampleLimit = static_cast<std::uint32_t>(kSampled * 0x1p32);
-inline bool isSampled(std::uint32_t ray) {
-    return ray * kSampleFactor < kSampleLimit;
-}
-
 /// Chooses among `count` rays those whose last slice is not before the first open
 /// one of their tile, in order.
 /// \param lastSlice of each ray, with kSlack more
@@ -103,6 +93,6 @@ inline bool isSampled(std::uint32_t ray) {
 /// \return number of rays chosen
 using ChooseRays = std::size_t (*)(const std::uint32_t* tile, const std::uint16_t* lastSlice,
                                    std::size_t count, const std::uint16_t* firstOpen,
-                                   Choice choice, std::uint32_t* chosen);
+                                   std::uint32_t* chosen);
 
 }  // namespace superray

@@ -143,18 +143,54 @@ SUPERRAY_TARGET inline std::uint32_t openRow(Slice* open, const Extent* reach, E
                                               _mm256_extracti128_si256(mixed, 1)));
     return static_cast<std::uint32_t>(__builtin_popcount(change));
 }
-SUPERRAY_TARGET inline Long8 long8(Longs v) {
-    Long8 out;
-    std::memcpy(&out, &v, sizeof out);
-    return out;
-}
 SUPERRAY_TARGET inline __m256i gatherInts(const int* base, __m256i indices) {
     return _mm256_i32gather_epi32(base, indices, 4);
 }
-SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint32_t* indices) {
-    Doubles d;
-    for (int i = 0; i < 8; ++i) d[i] = base[indices[i]];
-    return d;
+struct Double8 {
+    __m256d low, high;
+};
+
+SUPERRAY_TARGET inline Double8 gatherDoubles(const double* base, const std::uint32_t* indices) {
+    const auto at = [&](int i) SUPERRAY_TARGET { return base[indices[i]]; };
+    return {_mm256_setr_pd(at(0), at(1), at(2), at(3)),
+            _mm256_setr_pd(at(4), at(5), at(6), at(7))};
+}
+SUPERRAY_TARGET inline Double8 times(Double8 a, double x) {
+    return {a.low * x, a.high * x};
+}
+SUPERRAY_TARGET inline Double8 over(Double8 a, Double8 b) {
+    return {a.low / b.low, a.high / b.high};
+}
+/// Adding this leaves an integer in the low bits of the sum.
+constexpr double kRounder = 6755399441055744.0;  // 1.5 * 2^52
+SUPERRAY_TARGET inline __m256i floorOf(__m256d x) {
+    const __m256d rounder = _mm256_set1_pd(kRounder);
+    return _mm256_sub_epi64(_mm256_castpd_si256(_mm256_floor_pd(x) + rounder),
+                            _mm256_castpd_si256(rounder));
+}
+SUPERRAY_TARGET inline Long8 floorOf(Double8 x) {
+    return {floorOf(x.low), floorOf(x.high)};
+}
+SUPERRAY_TARGET inline __m256d toDouble(__m256i i) {
+    const __m256d great = _mm256_set1_pd(4503599627370496.0);  // 2^52
+    return _mm256_castsi256_pd(_mm256_or_si256(i, _mm256_castpd_si256(great))) - great;
+}
+SUPERRAY_TARGET inline Double8 toDouble(Long8 i) {
+    return {toDouble(i.low), toDouble(i.high)};
+}
+SUPERRAY_TARGET inline Long8 product(Long8 a, Long8 b) {
+    return {_mm256_mul_epu32(a.low, b.low), _mm256_mul_epu32(a.high, b.high)};
+}
+SUPERRAY_TARGET inline Long8 wholeUnits(Long8 a) {
+    return {_mm256_srli_epi64(a.low, kUnitBits), _mm256_srli_epi64(a.high, kUnitBits)};
+}
+SUPERRAY_TARGET inline Long8 wide(__m256i x) {
+    return {_mm256_cvtepi32_epi64(_mm256_castsi256_si128(x)),
+            _mm256_cvtepi32_epi64(_mm256_extracti128_si256(x, 1))};
+}
+SUPERRAY_TARGET inline void store(Long8 a, std::int64_t* to) {
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), a.low);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + 4), a.high);
 }
 
 }  // namespace simd
@@ -171,7 +207,7 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 #define SUPERRAY_ROUNDS
 #include "find_directions.inc"
 //
-#include "find_runs.inc"
+#include "choose_rays.inc"
 //
 #define SUPERRAY_POINT_LANES 4
 #include "copy_points.inc"
@@ -181,6 +217,46 @@ SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint
 #include "note_open.inc"
 
 namespace superray {
+namespace {
+
+template <int Dim>
+SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const RayEnd* ends,
+                                     std::size_t count, std::uint32_t* starts) {
+    const std::uint32_t* const tiles = directions.tile;
+    const Extent* const extents = directions.extent.data();
+    const __m256i lone = _mm256_set1_epi32(static_cast<int>(directions.lone));
+    const auto load = [](const auto* from) SUPERRAY_TARGET {
+        return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+    };
+    const auto equal64 = [&](std::size_t at) SUPERRAY_TARGET {
+        return static_cast<unsigned>(_mm256_movemask_pd(_mm256_castsi256_pd(
+            _mm256_cmpeq_epi64(load(extents + at), load(extents + at - 1)))));
+    };
+    __m256i ray = _mm256_setr_epi32(1, 2, 3, 4, 5, 6, 7, 8);
+    starts[0] = 0;
+    std::uint32_t* out = starts + 1;
+    for (std::size_t i = 1; i < count; i += 8) {
+        const __m256i tile = load(tiles + i);
+        const std::size_t n = std::min<std::size_t>(8, count - i);
+        std::uint64_t end = 0, before = 0;  // there is nothing beyond the last ray to load
+        std::memcpy(&end, ends + i, n == 8 ? 8 : n);
+        std::memcpy(&before, ends + i - 1, n == 8 ? 8 : n);
+        const __m128i sameEnd =
+            _mm_cmpeq_epi8(_mm_cvtsi64_si128(static_cast<long long>(end)),
+                           _mm_cvtsi64_si128(static_cast<long long>(before)));
+        const __m256i sameTile = _mm256_andnot_si256(
+            _mm256_cmpeq_epi32(tile, lone), _mm256_cmpeq_epi32(tile, load(tiles + i - 1)));
+        const unsigned same =
+            static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(sameTile))) &
+            (equal64(i) | equal64(i + 4) << 4) &
+            static_cast<unsigned>(_mm_movemask_epi8(sameEnd));
+        out = simd::compress(out, ray, static_cast<int>(~same & ((1u << n) - 1)));
+        ray = _mm256_add_epi32(ray, _mm256_set1_epi32(8));
+    }
+    return static_cast<std::size_t>(out - starts);
+}
+
+}  // namespace
 
 template <int Dim>
 WalkKernels<Dim> avx2Kernels() {

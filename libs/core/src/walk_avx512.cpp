@@ -110,16 +110,41 @@ SUPERRAY_TARGET inline std::uint32_t openRow(Slice* open, const Extent* reach, E
                                  static_cast<__mmask8>(change), before, now)));
     return static_cast<std::uint32_t>(__builtin_popcount(change));
 }
-SUPERRAY_TARGET inline Long8 long8(Longs v) {
-    return {(__m512i)v};
-}
 SUPERRAY_TARGET inline __m256i gatherInts(const int* base, __m256i indices) {
     return _mm256_i32gather_epi32(base, indices, 4);
 }
-SUPERRAY_TARGET inline Doubles gatherDoubles(const double* base, const std::uint32_t* indices) {
-    return (Doubles)_mm512_i64gather_pd(
+struct Double8 {
+    __m512d v;
+};
+
+SUPERRAY_TARGET inline Double8 gatherDoubles(const double* base, const std::uint32_t* indices) {
+    return {_mm512_i64gather_pd(
         _mm512_cvtepu32_epi64(_mm256_load_si256(reinterpret_cast<const __m256i*>(indices))),
-        base, 8);
+        base, 8)};
+}
+SUPERRAY_TARGET inline Double8 times(Double8 a, double x) {
+    return {a.v * x};
+}
+SUPERRAY_TARGET inline Double8 over(Double8 a, Double8 b) {
+    return {a.v / b.v};
+}
+SUPERRAY_TARGET inline Long8 floorOf(Double8 x) {
+    return {_mm512_cvt_roundpd_epi64(x.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)};
+}
+SUPERRAY_TARGET inline Double8 toDouble(Long8 i) {
+    return {_mm512_cvtepi64_pd(i.v)};
+}
+SUPERRAY_TARGET inline Long8 product(Long8 a, Long8 b) {
+    return {_mm512_mul_epu32(a.v, b.v)};
+}
+SUPERRAY_TARGET inline Long8 wholeUnits(Long8 a) {
+    return {_mm512_srli_epi64(a.v, kUnitBits)};
+}
+SUPERRAY_TARGET inline Long8 wide(__m256i x) {
+    return {_mm512_cvtepi32_epi64(x)};
+}
+SUPERRAY_TARGET inline void store(Long8 a, std::int64_t* to) {
+    _mm512_storeu_si512(to, a.v);
 }
 
 }  // namespace simd
@@ -185,20 +210,12 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
 
 SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* tile,
                                        const std::uint16_t* lastSlice, std::size_t count,
-                                       const std::uint16_t* firstOpen, Choice choice,
-                                       std::uint32_t* chosen) {
-    const __m512i factor = _mm512_set1_epi32(static_cast<int>(kSampleFactor));
-    const __m512i limit = _mm512_set1_epi32(static_cast<int>(kSampleLimit));
+                                       const std::uint16_t* firstOpen, std::uint32_t* chosen) {
     __m512i ray = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     std::size_t n = 0;
     for (std::size_t i = 0; i < count; i += 16) {
-        auto asked = static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xFFFFu);
-        if (choice != Choice::all) {
-            const __mmask16 sampled =
-                _mm512_cmplt_epu32_mask(_mm512_mullo_epi32(ray, factor), limit);
-            asked = static_cast<__mmask16>(choice == Choice::sample ? asked & sampled
-                                                                    : asked & ~sampled);
-        }
+        const auto asked =
+            static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xFFFFu);
         const __m512i open =
             _mm512_and_si512(_mm512_mask_i32gather_epi32(
                                  _mm512_setzero_si512(), asked,

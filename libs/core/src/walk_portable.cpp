@@ -32,6 +32,8 @@ inline std::uint32_t openRow(Slice* open, const Extent* reach, Extent extent,
 //
 #include "find_runs.inc"
 //
+#include "choose_rays.inc"
+//
 #define SUPERRAY_POINT_LANES 4
 #include "copy_points.inc"
 
