@@ -73,8 +73,13 @@ TYPED_TEST(Equivalence, AllMethodsGiveTheReferenceMap) {
         for (test::Scene scene : test::kScenes) {
             Random random(50 + static_cast<std::uint64_t>(scene));
             std::vector<RayBundle<Dim>> scans;
-            for (int s = 0; s < kScans; ++s)
-                scans.push_back(test::makeScan<Dim>(scene, random, g, kRays));
+            int singles = 0;
+            for (int s = 0; s < kScans; ++s) {
+                const auto scan = test::makeScan<Dim>(scene, random, g, kRays);
+                scans.push_back(s % 2 == 0 ? scan : test::rounded(scan));
+                singles += scans.back().singlePrecision();
+            }
+            ASSERT_EQ(singles, kScans / 2);
             ReferenceMapper<Dim> reference(model, policy);
             for (const auto& scan : scans) {
                 reference.insert(scan);

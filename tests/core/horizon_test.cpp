@@ -26,19 +26,25 @@ using Dims = ::testing::Types<std::integral_constant<int, 2>, std::integral_cons
 TYPED_TEST_SUITE(HorizonOf, Dims);
 
 constexpr int kRays = 3000;
+constexpr std::size_t kScans = 2 * std::size(test::kScenes);
 
-/// Calls check(rays) for a scan of every scene, and counts rays.
+/// Calls check(rays) for a scan of every scene, in double and in single precision, and
+/// counts rays.
 template <int Dim, typename Check>
 std::size_t forEachScene(const Check& check) {
-    std::size_t rays = 0;
+    std::size_t count = 0, singles = 0;
     for (test::Scene scene : test::kScenes) {
         Random random(900 + static_cast<std::uint64_t>(scene));
         const auto scan = test::makeScan<Dim>(scene, random, CellGeometry<Dim>(0.1), kRays);
-        rays += scan.size();
-        check(scan);
-        if (::testing::Test::HasFatalFailure()) return 0;
+        for (const RayBundle<Dim>& rays : {scan, test::rounded(scan)}) {
+            count += rays.size();
+            singles += rays.singlePrecision();
+            check(rays);
+            if (::testing::Test::HasFatalFailure()) return 0;
+        }
     }
-    return rays;
+    EXPECT_EQ(singles, kScans / 2);
+    return count;
 }
 
 template <int Dim>
@@ -169,7 +175,7 @@ TYPED_TEST(HorizonOf, DirectionsAreThoseOfTheLines) {
             }
         }
     });
-    EXPECT_EQ(rays, std::size(test::kScenes) * kRays);
+    EXPECT_EQ(rays, kScans * kRays);
     EXPECT_GT(certain, rays / 2);
     EXPECT_GT(lone, 100u);
 }
@@ -258,7 +264,7 @@ TYPED_TEST(HorizonOf, NothingThatMattersIsBeforeTheHorizon) {
         if (::testing::Test::HasFatalFailure()) return;
         checkNothingIsMissed<Dim>(scan, 500, skippedEarly, leftEarly);
     });
-    EXPECT_EQ(rays, std::size(test::kScenes) * kRays);
+    EXPECT_EQ(rays, kScans * kRays);
     EXPECT_GT(skipped, 100000u);
     // With little work allowed, the region ends earlier, and still is right.
     EXPECT_GT(skippedEarly, 1000u);
@@ -327,8 +333,8 @@ TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
             }
         }
     });
-    EXPECT_EQ(rays, std::size(test::kScenes) * kRays);
-    EXPECT_EQ(kernelsTried, std::size(test::kScenes) * allKernels<Dim>().size());
+    EXPECT_EQ(rays, kScans * kRays);
+    EXPECT_EQ(kernelsTried, kScans * allKernels<Dim>().size());
     EXPECT_GT(walked, 100000u);
 }
 
@@ -356,7 +362,7 @@ TYPED_TEST(HorizonOf, RunsAreRaysThatGoAndEndAlike) {
             ASSERT_LT(expected.size(), scan.size());
         }
     });
-    EXPECT_EQ(rays, std::size(test::kScenes) * kRays);
+    EXPECT_EQ(rays, kScans * kRays);
     EXPECT_GT(runs, rays);
 }
 

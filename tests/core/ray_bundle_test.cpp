@@ -129,6 +129,44 @@ TEST(RayBundle, ManyReturnsAreThoseOfOneByOne) {
     }
 }
 
+TEST(RayBundle, CoordinatesAreInSinglePrecisionAsLongAsItHoldsThem) {
+    const CellGeometry<3> g(0.1);
+    const float floats[] = {0.1f, 0.2f, 0.3f, 1, 2, 3};
+    const double doubles[] = {0.4, 0.5, 0.6};
+    RayBundle<3> rays(g, {0.1, 0, 0});
+    rays.add({0.5, 0.25, -1});
+    rays.addReturns(floats, 2);
+    EXPECT_TRUE(rays.singlePrecision());
+    EXPECT_EQ(rays.ends<float>(1)[1], 0.2f);
+
+    RayBundle<3> copy(g, {0, 0, 0});
+    copy.add({0.7, 0, 0});
+    EXPECT_FALSE(copy.singlePrecision());
+    copy.restartLike(rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) copy.place(i, rays, i);
+    EXPECT_TRUE(copy.singlePrecision());
+
+    rays.add({0.7, 0, 0}, RayEnd::open);  // not a float
+    EXPECT_FALSE(rays.singlePrecision());
+    rays.addReturns(floats, 1);
+    rays.addReturns(doubles, 1);
+    ASSERT_EQ(rays.size(), 6u);
+    const double x[] = {0.5, double{0.1f}, 1, 0.7, double{0.1f}, 0.4};
+    const double z[] = {-1, double{0.3f}, 3, 0, double{0.3f}, 0.6};
+    for (std::size_t i = 0; i < 6; ++i) {
+        EXPECT_EQ(rays.end(i).x(), x[i]);
+        EXPECT_EQ(rays.ends<double>(2)[i], z[i]);
+        EXPECT_EQ(rays.kind(i), i == 3 ? RayEnd::open : RayEnd::hit);
+    }
+    ASSERT_EQ(copy.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(copy.end(i), rays.end(i));
+
+    rays.restart({0, 0, 0});
+    EXPECT_TRUE(rays.singlePrecision());
+    rays.addReturns(doubles, 1);
+    EXPECT_EQ(rays.end(0), Point<3>(0.4, 0.5, 0.6));
+}
+
 TEST(RayBundle, ManyReturnsAfterARayWithItsOwnOrigin) {
     const CellGeometry<3> g(0.1);
     RayBundle<3> one(g, {0, 0, 0}), many(g, {0, 0, 0});

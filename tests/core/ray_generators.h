@@ -117,4 +117,13 @@ RayBundle<Dim> makeScan(Scene scene, Random& random, const CellGeometry<Dim>& g,
     return rays;
 }
 
+/// The same with end points in single precision, as which a bundle keeps them then.
+template <int Dim>
+RayBundle<Dim> rounded(const RayBundle<Dim>& scan) {
+    RayBundle<Dim> rays(scan.geometry(), scan.commonOrigin());
+    for (std::size_t i = 0; i < scan.size(); ++i)
+        rays.add(scan.end(i).template cast<float>().template cast<double>(), scan.kind(i));
+    return rays;
+}
+
 }  // namespace superray::test

@@ -27,6 +27,16 @@ constexpr std::int32_t kFewSlices = 6;
 /// free of mispredictions, few enough to stay in the L1 cache.
 constexpr std::size_t kFlushAt = 2048;
 
+template <int Dim>
+void prefetchEnd(const RayBundle<Dim>& rays, std::size_t ray) {
+    for (int a = 0; a < Dim; ++a) {
+        if (rays.singlePrecision())
+            __builtin_prefetch(rays.template ends<float>(a) + ray);
+        else
+            __builtin_prefetch(rays.template ends<double>(a) + ray);
+    }
+}
+
 }  // namespace
 
 template <int Dim>
@@ -135,7 +145,7 @@ void HorizonWalk<Dim>::walkChosen(const HorizonWalk& owner, ListPiece piece) {
     for (std::size_t i = piece.begin; i < piece.end; ++i) {
         const std::uint32_t ray = owner.chosen_[i];
         const std::size_t later = owner.chosen_[std::min(i + kAhead, piece.end - 1)];
-        for (int a = 0; a < Dim; ++a) __builtin_prefetch(rays_->ends(a) + owner.first_ + later);
+        prefetchEnd(*rays_, owner.first_ + later);
         const std::uint32_t tile = owner.tile_[ray];
         const std::int32_t from = owner.horizon_.firstOpen(tile);
         culled_ -= from == 0;

@@ -8,9 +8,9 @@
 namespace superray {
 
 /// Where points go, and bounds to extend.
-template <int Dim>
+template <int Dim, typename Scalar>
 struct PointBatch {
-    std::array<double*, static_cast<std::size_t>(Dim)> coordinates;
+    std::array<Scalar*, static_cast<std::size_t>(Dim)> coordinates;
     Point<Dim> lowest, highest;  ///< [m]
 };
 
@@ -19,6 +19,6 @@ struct PointBatch {
 /// not matter
 template <int Dim, typename Scalar>
 using CopyPoints = bool (*)(const Scalar* points, std::size_t count, double inverse,
-                            PointBatch<Dim>& to);
+                            PointBatch<Dim, Scalar>& to);
 
 }  // namespace superray

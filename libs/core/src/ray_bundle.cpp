@@ -18,15 +18,17 @@ void RangeLimits::validate() const {
     throw std::invalid_argument(message.str());
 }
 
-Coordinates::Coordinates(const Coordinates& o) {
+template <typename Scalar>
+Coordinates<Scalar>::Coordinates(const Coordinates& o) {
     reserve(o.size_);
     std::copy_n(o.values_.get(), o.size_, values_.get());
     size_ = o.size_;
 }
 
-void Coordinates::reserve(std::size_t n) {
+template <typename Scalar>
+void Coordinates<Scalar>::reserve(std::size_t n) {
     if (n <= capacity_) return;
-    std::unique_ptr<double[]> larger(new double[n]);
+    std::unique_ptr<Scalar[]> larger(new Scalar[n]);
     std::copy_n(values_.get(), size_, larger.get());
     values_ = std::move(larger);
     capacity_ = n;
@@ -51,7 +53,9 @@ void RayBundle<Dim>::restart(const Point<Dim>& origin) {
         throw std::invalid_argument(message.str());
     }
     origin_ = lowest_ = highest_ = origin;
-    for (Coordinates& c : ends_) c.clear();
+    single_ = true;
+    for (auto& c : singles_) c.clear();
+    for (auto& c : doubles_) c.clear();
     kinds_.clear();
     origins_.clear();
     skipped_ = {};
@@ -59,8 +63,21 @@ void RayBundle<Dim>::restart(const Point<Dim>& origin) {
 
 template <int Dim>
 void RayBundle<Dim>::reserve(std::size_t n) {
-    for (Coordinates& c : ends_) c.reserve(n);
+    if (single_)
+        for (auto& c : singles_) c.reserve(n);
+    else
+        for (auto& c : doubles_) c.reserve(n);
     kinds_.reserve(n);
+}
+
+template <int Dim>
+void RayBundle<Dim>::useDoubles() {
+    for (int a = 0; a < Dim; ++a) {
+        doubles_[a].reserve(singles_[a].capacity());
+        std::copy_n(singles_[a].data(), singles_[a].size(), doubles_[a].end());
+        doubles_[a].grow(singles_[a].size());
+    }
+    single_ = false;
 }
 
 template <int Dim>
@@ -69,48 +86,83 @@ void RayBundle<Dim>::restartLike(const RayBundle& other) {
     restart(other.origin_);
     lowest_ = other.lowest_;
     highest_ = other.highest_;
+    single_ = other.single_;
     reserve(other.size());
-    for (Coordinates& c : ends_) c.grow(other.size());
+    if (single_)
+        for (auto& c : singles_) c.grow(other.size());
+    else
+        for (auto& c : doubles_) c.grow(other.size());
     kinds_.resize(other.size());
 }
 
+/// Adds returns as they are, if they all are good.
+/// \pre room is reserved; coordinates are kept as Scalar
 template <int Dim>
 template <typename Scalar>
-void RayBundle<Dim>::addPoints(const Scalar* ends, std::size_t count) {
+bool RayBundle<Dim>::addBatch(const Scalar* ends, std::size_t count) {
     static const CopyPoints<Dim, Scalar> copyPoints = bestKernels<Dim>().copy(Scalar{});
-    // Where all points of a batch are good, which is the rule, they are copied as
-    // they are; else they are taken one by one.
-    constexpr std::size_t kBatch = 512;
-    reserve(size() + count);
-    for (std::size_t first = 0; first < count; first += kBatch) {
-        const std::size_t n = std::min(kBatch, count - first);
-        const Scalar* const batch = ends + first * Dim;
-        PointBatch<Dim> to;
-        for (int a = 0; a < Dim; ++a) to.coordinates[a] = ends_[a].end();
-        to.lowest = lowest_;
-        to.highest = highest_;
-        if (unlimited_ && origins_.empty() && copyPoints(batch, n, geometry_.scaled(1.0), to)) {
-            for (Coordinates& c : ends_) c.grow(n);
-            kinds_.resize(kinds_.size() + n, RayEnd::hit);
-            lowest_ = to.lowest;
-            highest_ = to.highest;
-            continue;
-        }
-        for (std::size_t i = 0; i < n; ++i) {
-            Point<Dim> p;
-            for (int a = 0; a < Dim; ++a) p[a] = static_cast<double>(batch[i * Dim + a]);
-            add(p);
-        }
-    }
+    if (!unlimited_ || !origins_.empty()) return false;
+    PerAxis<Scalar>& to = coordinates<Scalar>();
+    PointBatch<Dim, Scalar> batch;
+    for (int a = 0; a < Dim; ++a) batch.coordinates[a] = to[a].end();
+    batch.lowest = lowest_;
+    batch.highest = highest_;
+    if (!copyPoints(ends, count, geometry_.scaled(1.0), batch)) return false;
+    for (auto& c : to) c.grow(count);
+    kinds_.resize(kinds_.size() + count, RayEnd::hit);
+    lowest_ = batch.lowest;
+    highest_ = batch.highest;
+    return true;
 }
+
+namespace {
+
+/// Calls add(first, n) for batches: where all points of one are good, which is the rule,
+/// they are copied as they are; else they are taken one by one.
+constexpr std::size_t kBatch = 512;
+template <typename Add>
+void inBatches(std::size_t count, const Add& add) {
+    for (std::size_t first = 0; first < count; first += kBatch)
+        add(first, std::min(kBatch, count - first));
+}
+
+template <int Dim, typename Scalar>
+Point<Dim> pointAt(const Scalar* ends, std::size_t i) {
+    Point<Dim> p;
+    for (std::size_t a = 0; a < Dim; ++a) p[a] = static_cast<double>(ends[i * Dim + a]);
+    return p;
+}
+
+}  // namespace
 
 template <int Dim>
 void RayBundle<Dim>::addReturns(const float* ends, std::size_t count) {
-    addPoints(ends, count);
+    if (!single_) {
+        inBatches(count, [&](std::size_t first, std::size_t n) {
+            double doubles[kBatch * Dim];
+            std::copy_n(ends + first * Dim, n * Dim, doubles);
+            addReturns(doubles, n);
+        });
+        return;
+    }
+    reserve(size() + count);
+    inBatches(count, [&](std::size_t first, std::size_t n) {
+        const float* const batch = ends + first * Dim;
+        // Cutting to range makes other numbers of them.
+        if (single_ && addBatch(batch, n)) return;
+        for (std::size_t i = 0; i < n; ++i) add(pointAt<Dim>(batch, i));
+    });
 }
+
 template <int Dim>
 void RayBundle<Dim>::addReturns(const double* ends, std::size_t count) {
-    addPoints(ends, count);
+    if (single_) useDoubles();
+    reserve(size() + count);
+    inBatches(count, [&](std::size_t first, std::size_t n) {
+        const double* const batch = ends + first * Dim;
+        if (addBatch(batch, n)) return;
+        for (std::size_t i = 0; i < n; ++i) add(pointAt<Dim>(batch, i));
+    });
 }
 
 template <int Dim>
@@ -150,6 +202,8 @@ void RayBundle<Dim>::addRay(const Point<Dim>& origin, const Point<Dim>& end, Ray
     push(cut, kind);
 }
 
+template class Coordinates<float>;
+template class Coordinates<double>;
 template class RayBundle<2>;
 template class RayBundle<3>;
 

@@ -150,8 +150,9 @@ struct Double8 {
     __m256d low, high;
 };
 
-SUPERRAY_TARGET inline Double8 gatherDoubles(const double* base, const std::uint32_t* indices) {
-    const auto at = [&](int i) SUPERRAY_TARGET { return base[indices[i]]; };
+template <typename Scalar>
+SUPERRAY_TARGET inline Double8 gatherDoubles(const Scalar* base, const std::uint32_t* indices) {
+    const auto at = [&](int i) SUPERRAY_TARGET { return double{base[indices[i]]}; };
     return {_mm256_setr_pd(at(0), at(1), at(2), at(3)),
             _mm256_setr_pd(at(4), at(5), at(6), at(7))};
 }
@@ -209,7 +210,7 @@ SUPERRAY_TARGET inline void store(Long8 a, std::int64_t* to) {
 //
 #include "choose_rays.inc"
 //
-#define SUPERRAY_POINT_LANES 4
+#define SUPERRAY_POINT_LANES 8
 #include "copy_points.inc"
 //
 #include "at_least.inc"

@@ -122,6 +122,10 @@ SUPERRAY_TARGET inline Double8 gatherDoubles(const double* base, const std::uint
         _mm512_cvtepu32_epi64(_mm256_load_si256(reinterpret_cast<const __m256i*>(indices))),
         base, 8)};
 }
+SUPERRAY_TARGET inline Double8 gatherDoubles(const float* base, const std::uint32_t* indices) {
+    return {_mm512_cvtps_pd(_mm256_i32gather_ps(
+        base, _mm256_load_si256(reinterpret_cast<const __m256i*>(indices)), 4))};
+}
 SUPERRAY_TARGET inline Double8 times(Double8 a, double x) {
     return {a.v * x};
 }

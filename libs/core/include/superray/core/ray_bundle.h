@@ -9,6 +9,8 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace superray {
@@ -43,7 +45,8 @@ struct RangeLimits {
     void validate() const;
 };
 
-/// An array of doubles that grows without being filled with zeros first.
+/// An array of numbers that grows without being filled with zeros first.
+template <typename Scalar>
 class Coordinates {
  public:
     Coordinates() = default;
@@ -56,26 +59,32 @@ class Coordinates {
         return *this;
     }
     std::size_t size() const { return size_; }
-    const double* data() const { return values_.get(); }
-    double operator[](std::size_t i) const { return values_[i]; }
+    std::size_t capacity() const { return capacity_; }
+    const Scalar* data() const { return values_.get(); }
+    Scalar operator[](std::size_t i) const { return values_[i]; }
     void reserve(std::size_t n);
     bool full() const { return size_ == capacity_; }
     /// \pre !full()
-    void push(double v) { values_[size_++] = v; }
+    void push(Scalar v) { values_[size_++] = v; }
     /// Where the next values go, for whoever fills in many. \pre room is reserved
-    double* end() { return values_.get() + size_; }
+    Scalar* end() { return values_.get() + size_; }
     /// \pre that many values were filled in
     void grow(std::size_t n) { size_ += n; }
-    void set(std::size_t i, double v) { values_[i] = v; }
+    void set(std::size_t i, Scalar v) { values_[i] = v; }
     void clear() { size_ = 0; }
 
  private:
-    std::unique_ptr<double[]> values_;
+    std::unique_ptr<Scalar[]> values_;
     std::size_t size_ = 0, capacity_ = 0;
 };
 
+extern template class Coordinates<float>;
+extern template class Coordinates<double>;
+
 /// Rays of one scan. All have one origin unless given per ray (de-skewing).
-/// Coordinates are kept axis by axis, as the vector units want them.
+/// Coordinates are kept axis by axis, as the vector units want them: in single
+/// precision as long as that holds all of them exactly, which saves half of the memory
+/// to go through, then in double precision.
 template <int Dim>
 class RayBundle {
  public:
@@ -115,7 +124,12 @@ class RayBundle {
     void restartLike(const RayBundle& other);
     /// Ray i becomes a copy of a ray of that scan. Threads may place different rays.
     void place(std::size_t i, const RayBundle& other, std::size_t ray) {
-        for (int a = 0; a < Dim; ++a) ends_[a].set(i, other.ends_[a][ray]);
+        for (int a = 0; a < Dim; ++a) {
+            if (single_)
+                singles_[a].set(i, other.singles_[a][ray]);
+            else
+                doubles_[a].set(i, other.doubles_[a][ray]);
+        }
         kinds_[i] = other.kinds_[ray];
     }
 
@@ -127,11 +141,17 @@ class RayBundle {
     }
     Point<Dim> end(std::size_t i) const {
         Point<Dim> p;
-        for (int a = 0; a < Dim; ++a) p[a] = ends_[a][i];
+        for (int a = 0; a < Dim; ++a) p[a] = single_ ? double{singles_[a][i]} : doubles_[a][i];
         return p;
     }
+    /// Whether coordinates are kept in single precision.
+    bool singlePrecision() const { return single_; }
     /// Coordinates of all end points along one axis [m].
-    const double* ends(int axis) const { return ends_[axis].data(); }
+    /// \pre Scalar is float if singlePrecision(), else double
+    template <typename Scalar>
+    const Scalar* ends(int axis) const {
+        return coordinates<Scalar>()[axis].data();
+    }
     RayEnd kind(std::size_t i) const { return kinds_[i]; }
     const RayEnd* kinds() const { return kinds_.data(); }
     /// True if all rays start at commonOrigin().
@@ -143,12 +163,33 @@ class RayBundle {
     const Point<Dim>& highest() const { return highest_; }
 
  private:
-    void addRay(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind);
     template <typename Scalar>
-    void addPoints(const Scalar* ends, std::size_t count);
+    using PerAxis = std::array<Coordinates<Scalar>, static_cast<std::size_t>(Dim)>;
+    template <typename Scalar>
+    const PerAxis<Scalar>& coordinates() const {
+        if constexpr (std::is_same_v<Scalar, float>)
+            return singles_;
+        else
+            return doubles_;
+    }
+    template <typename Scalar>
+    PerAxis<Scalar>& coordinates() {
+        return const_cast<PerAxis<Scalar>&>(
+            std::as_const(*this).template coordinates<Scalar>());
+    }
+    void addRay(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind);
+    void useDoubles();
+    template <typename Scalar>
+    bool addBatch(const Scalar* ends, std::size_t count);
     void push(const Point<Dim>& end, RayEnd kind) {
-        if (ends_[0].full()) reserve(2 * size() + 1024);
-        for (int a = 0; a < Dim; ++a) ends_[a].push(end[a]);
+        if (single_ && end != end.template cast<float>().template cast<double>()) useDoubles();
+        if (single_ ? singles_[0].full() : doubles_[0].full()) reserve(2 * size() + 1024);
+        for (int a = 0; a < Dim; ++a) {
+            if (single_)
+                singles_[a].push(static_cast<float>(end[a]));
+            else
+                doubles_[a].push(end[a]);
+        }
         kinds_.push_back(kind);
         include(end);
     }
@@ -163,7 +204,9 @@ class RayBundle {
     Point<Dim> origin_, lowest_, highest_;
     RangeLimits limits_;
     bool unlimited_;
-    std::array<Coordinates, static_cast<std::size_t>(Dim)> ends_;
+    bool single_ = true;  // which of the following is used
+    PerAxis<float> singles_;
+    PerAxis<double> doubles_;
     std::vector<RayEnd> kinds_;
     std::vector<Point<Dim>> origins_;  // empty: all start at origin_
     SkippedPoints skipped_;
