@@ -210,7 +210,7 @@ SUPERRAY_TARGET inline void store(Long8 a, std::int64_t* to) {
 //
 #include "choose_rays.inc"
 //
-#define SUPERRAY_POINT_LANES 8
+#define SUPERRAY_POINT_BYTES 32
 #include "copy_points.inc"
 //
 #include "at_least.inc"

@@ -165,7 +165,7 @@ SUPERRAY_TARGET inline void store(Long8 a, std::int64_t* to) {
 #define SUPERRAY_ROUNDS
 #include "find_directions.inc"
 //
-#define SUPERRAY_POINT_LANES 16
+#define SUPERRAY_POINT_BYTES 64
 #include "copy_points.inc"
 //
 #include "at_least.inc"

@@ -34,7 +34,7 @@ inline std::uint32_t openRow(Slice* open, const Extent* reach, Extent extent,
 //
 #include "choose_rays.inc"
 //
-#define SUPERRAY_POINT_LANES 4
+#define SUPERRAY_POINT_BYTES 16
 #include "copy_points.inc"
 
 namespace superray {
