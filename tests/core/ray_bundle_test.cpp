@@ -167,6 +167,37 @@ TEST(RayBundle, CoordinatesAreInSinglePrecisionAsLongAsItHoldsThem) {
     EXPECT_EQ(rays.end(0), Point<3>(0.4, 0.5, 0.6));
 }
 
+template <int Dim, typename Scalar>
+void checkReturnsInThreads() {
+    constexpr std::size_t kCount = 100001;
+    std::mt19937_64 random(6);
+    std::uniform_real_distribution<double> coordinate(-40, 40);
+    const CellGeometry<Dim> g(0.1);
+    std::vector<Scalar> points;
+    for (std::size_t i = 0; i < kCount * Dim; ++i)
+        points.push_back(static_cast<Scalar>(coordinate(random)));
+    // All good; bad ones in the first, or in the last thread's share.
+    for (const std::size_t bad : {kCount, std::size_t{5}, kCount - 1}) {
+        std::vector<Scalar> some = points;
+        if (bad < kCount) some[bad * Dim] = std::numeric_limits<Scalar>::quiet_NaN();
+        RayBundle<Dim> one(g, Point<Dim>::Constant(0.03));
+        one.add(Point<Dim>::Constant(0.5));
+        RayBundle<Dim> many = one;
+        one.addReturns(some.data(), kCount);
+        EXPECT_EQ(one.size() + one.skipped().total(), kCount + 1);
+        EXPECT_EQ(one.skipped().notFinite, bad < kCount ? 1u : 0u);
+        many.addReturns(some.data(), kCount, 3);
+        expectEqual(many, one);
+    }
+}
+
+TEST(RayBundle, ManyReturnsInThreads) {
+    checkReturnsInThreads<2, float>();
+    checkReturnsInThreads<2, double>();
+    checkReturnsInThreads<3, float>();
+    checkReturnsInThreads<3, double>();
+}
+
 TEST(RayBundle, ManyReturnsAfterARayWithItsOwnOrigin) {
     const CellGeometry<3> g(0.1);
     RayBundle<3> one(g, {0, 0, 0}), many(g, {0, 0, 0});

@@ -1,3 +1,4 @@
+#include <superray/core/parallel.h>
 #include <superray/core/ray_bundle.h>
 
 #include <algorithm>
@@ -99,70 +100,68 @@ void RayBundle<Dim>::restartLike(const RayBundle& other) {
 /// \pre room is reserved; coordinates are kept as Scalar
 template <int Dim>
 template <typename Scalar>
-bool RayBundle<Dim>::addBatch(const Scalar* ends, std::size_t count) {
+bool RayBundle<Dim>::addGoodReturns(const Scalar* ends, std::size_t count, unsigned threads) {
     static const CopyPoints<Dim, Scalar> copyPoints = bestKernels<Dim>().copy(Scalar{});
+    constexpr std::size_t kPerShare = 1 << 14;  // repays a thread
     if (!unlimited_ || !origins_.empty()) return false;
     PerAxis<Scalar>& to = coordinates<Scalar>();
-    PointBatch<Dim, Scalar> batch;
-    for (int a = 0; a < Dim; ++a) batch.coordinates[a] = to[a].end();
-    batch.lowest = lowest_;
-    batch.highest = highest_;
-    if (!copyPoints(ends, count, geometry_.scaled(1.0), batch)) return false;
+    const std::size_t shares =
+        std::max<std::size_t>(1, std::min<std::size_t>(threads, count / kPerShare));
+    std::vector<PointBatch<Dim, Scalar>> batches(shares);
+    std::vector<char> good(shares);
+    inParallel(shares, [&](std::size_t s) {
+        const std::size_t first = shareBegin(count, s, shares);
+        const std::size_t last = shareBegin(count, s + 1, shares);
+        PointBatch<Dim, Scalar> batch;
+        for (int a = 0; a < Dim; ++a) batch.coordinates[a] = to[a].end() + first;
+        batch.lowest = lowest_;
+        batch.highest = highest_;
+        good[s] = copyPoints(ends + first * Dim, last - first, geometry_.scaled(1.0), batch);
+        batches[s] = batch;
+    });
+    if (std::find(good.begin(), good.end(), 0) != good.end()) return false;
     for (auto& c : to) c.grow(count);
     kinds_.resize(kinds_.size() + count, RayEnd::hit);
-    lowest_ = batch.lowest;
-    highest_ = batch.highest;
+    for (const auto& batch : batches) {
+        lowest_ = lowest_.cwiseMin(batch.lowest);
+        highest_ = highest_.cwiseMax(batch.highest);
+    }
     return true;
 }
 
-namespace {
-
-/// Calls add(first, n) for batches: where all points of one are good, which is the rule,
-/// they are copied as they are; else they are taken one by one.
-constexpr std::size_t kBatch = 512;
-template <typename Add>
-void inBatches(std::size_t count, const Add& add) {
-    for (std::size_t first = 0; first < count; first += kBatch)
-        add(first, std::min(kBatch, count - first));
-}
-
-template <int Dim, typename Scalar>
-Point<Dim> pointAt(const Scalar* ends, std::size_t i) {
-    Point<Dim> p;
-    for (std::size_t a = 0; a < Dim; ++a) p[a] = static_cast<double>(ends[i * Dim + a]);
-    return p;
-}
-
-}  // namespace
-
+/// Where all points of a batch are good, which is the rule, they are copied as they are;
+/// else they are taken one by one.
 template <int Dim>
-void RayBundle<Dim>::addReturns(const float* ends, std::size_t count) {
-    if (!single_) {
-        inBatches(count, [&](std::size_t first, std::size_t n) {
-            double doubles[kBatch * Dim];
-            std::copy_n(ends + first * Dim, n * Dim, doubles);
-            addReturns(doubles, n);
-        });
-        return;
+template <typename Scalar>
+void RayBundle<Dim>::addPoints(const Scalar* ends, std::size_t count, unsigned threads) {
+    reserve(size() + count);
+    if (threads > 1 && addGoodReturns(ends, count, threads)) return;
+    constexpr std::size_t kBatch = 512;
+    for (std::size_t first = 0; first < count; first += kBatch) {
+        const std::size_t n = std::min(kBatch, count - first);
+        const Scalar* const batch = ends + first * Dim;
+        // Cutting to range may make numbers that single precision does not hold.
+        const bool asKept = single_ == std::is_same_v<Scalar, float>;
+        if (asKept && addGoodReturns(batch, n, 1)) continue;
+        for (std::size_t i = 0; i < n; ++i) {
+            Point<Dim> p;
+            for (int a = 0; a < Dim; ++a) p[a] = static_cast<double>(batch[i * Dim + a]);
+            add(p);
+        }
     }
-    reserve(size() + count);
-    inBatches(count, [&](std::size_t first, std::size_t n) {
-        const float* const batch = ends + first * Dim;
-        // Cutting to range makes other numbers of them.
-        if (single_ && addBatch(batch, n)) return;
-        for (std::size_t i = 0; i < n; ++i) add(pointAt<Dim>(batch, i));
-    });
 }
 
 template <int Dim>
-void RayBundle<Dim>::addReturns(const double* ends, std::size_t count) {
+void RayBundle<Dim>::addReturns(const float* ends, std::size_t count, unsigned threads) {
+    if (single_) return addPoints(ends, count, threads);
+    const std::vector<double> doubles(ends, ends + count * Dim);
+    addPoints(doubles.data(), count, threads);
+}
+
+template <int Dim>
+void RayBundle<Dim>::addReturns(const double* ends, std::size_t count, unsigned threads) {
     if (single_) useDoubles();
-    reserve(size() + count);
-    inBatches(count, [&](std::size_t first, std::size_t n) {
-        const double* const batch = ends + first * Dim;
-        if (addBatch(batch, n)) return;
-        for (std::size_t i = 0; i < n; ++i) add(pointAt<Dim>(batch, i));
-    });
+    addPoints(ends, count, threads);
 }
 
 template <int Dim>

@@ -24,7 +24,8 @@ class SuperrayEngine final : public BenchEngine {
     void insert() override {
         const Stopwatch watch;
         rays_.restart(scan_->origin.cast<double>());
-        rays_.addReturns(scan_->points.data()->data(), scan_->points.size());
+        rays_.addReturns(scan_->points.data()->data(), scan_->points.size(),
+                         map_.insertionOptions.threads);
         toRaysSeconds_ = watch.seconds();
         map_.insertRays(rays_);
     }

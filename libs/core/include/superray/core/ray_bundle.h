@@ -111,8 +111,9 @@ class RayBundle {
 
     /// Adds returns, in order: as add(end) for each, but many times faster.
     /// \param ends coordinates of `count` end points [m, map frame], point by point
-    void addReturns(const float* ends, std::size_t count);
-    void addReturns(const double* ends, std::size_t count);
+    /// \param threads at most so many; the result does not depend on it
+    void addReturns(const float* ends, std::size_t count, unsigned threads = 1);
+    void addReturns(const double* ends, std::size_t count, unsigned threads = 1);
 
     /// Adds a ray with its own origin [m, map frame].
     void add(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind);
@@ -180,7 +181,9 @@ class RayBundle {
     void addRay(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind);
     void useDoubles();
     template <typename Scalar>
-    bool addBatch(const Scalar* ends, std::size_t count);
+    bool addGoodReturns(const Scalar* ends, std::size_t count, unsigned threads);
+    template <typename Scalar>
+    void addPoints(const Scalar* ends, std::size_t count, unsigned threads);
     void push(const Point<Dim>& end, RayEnd kind) {
         if (single_ && end != end.template cast<float>().template cast<double>()) useDoubles();
         if (single_ ? singles_[0].full() : doubles_[0].full()) reserve(2 * size() + 1024);
