@@ -20,6 +20,8 @@ constexpr int kPickBits = 2;
 
 namespace simd {
 
+/// Lanes 0, 1, 4, 5 are `low`, the others `high`: so the halves of 256-bit vectors need
+/// not be crossed to make one of 32-bit lanes of both.
 struct Long8 {
     __m256i low, high;
 };
@@ -27,8 +29,8 @@ struct Long8 {
 SUPERRAY_TARGET inline Long8 ramp(std::int64_t base, std::int64_t step) {
     const __m256i start = _mm256_set1_epi64x(base);
     return {
-        _mm256_add_epi64(start, _mm256_setr_epi64x(0, step, 2 * step, 3 * step)),
-        _mm256_add_epi64(start, _mm256_setr_epi64x(4 * step, 5 * step, 6 * step, 7 * step))};
+        _mm256_add_epi64(start, _mm256_setr_epi64x(0, step, 4 * step, 5 * step)),
+        _mm256_add_epi64(start, _mm256_setr_epi64x(2 * step, 3 * step, 6 * step, 7 * step))};
 }
 SUPERRAY_TARGET inline Long8 all(std::int64_t x) {
     return {_mm256_set1_epi64x(x), _mm256_set1_epi64x(x)};
@@ -39,46 +41,45 @@ SUPERRAY_TARGET inline Long8 add(Long8 a, Long8 b) {
 SUPERRAY_TARGET inline Long8 subtract(Long8 a, Long8 b) {
     return {_mm256_sub_epi64(a.low, b.low), _mm256_sub_epi64(a.high, b.high)};
 }
-/// The low halves of 8 int64, in order.
-SUPERRAY_TARGET inline __m256i narrow(__m256i low, __m256i high) {
-    const __m256 mixed =
-        _mm256_shuffle_ps(_mm256_castsi256_ps(low), _mm256_castsi256_ps(high), 0x88);
-    return _mm256_permute4x64_epi64(_mm256_castps_si256(mixed), 0xD8);
+/// The low halves of 8 int64.
+SUPERRAY_TARGET inline __m256i narrow(Long8 a) {
+    return _mm256_castps_si256(
+        _mm256_shuffle_ps(_mm256_castsi256_ps(a.low), _mm256_castsi256_ps(a.high), 0x88));
 }
 SUPERRAY_TARGET inline __m256i cells(Long8 a) {
     // A logical shift will do: the sign is in the 32 bits that are kept.
-    return narrow(_mm256_srli_epi64(a.low, kUnitBits), _mm256_srli_epi64(a.high, kUnitBits));
+    return narrow({_mm256_srli_epi64(a.low, kUnitBits), _mm256_srli_epi64(a.high, kUnitBits)});
 }
 SUPERRAY_TARGET inline __m256i distanceToBorder(__m256i units) {
     return _mm256_sub_epi64(_mm256_set1_epi64x(kUnitsPerCell),
                             _mm256_and_si256(units, _mm256_set1_epi64x(kUnitsPerCell - 1)));
 }
-SUPERRAY_TARGET inline int firstCrosses4(__m256i a, __m256i slopeA, __m256i b, __m256i slopeB) {
-    const __m256i left = _mm256_mul_epu32(distanceToBorder(a), slopeB);
-    const __m256i right = _mm256_mul_epu32(distanceToBorder(b), slopeA);
-    return _mm256_movemask_pd(_mm256_castsi256_pd(_mm256_cmpgt_epi64(right, left)));
+/// All bits of the lanes that are meant.
+using Mask = __m256i;
+SUPERRAY_TARGET inline Mask maskOf(int bits) {
+    const __m256i each = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    return _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(bits), each), each);
+}
+SUPERRAY_TARGET inline __m256i firstCrosses4(__m256i a, __m256i slopeA, __m256i b,
+                                             __m256i slopeB) {
+    return _mm256_cmpgt_epi64(_mm256_mul_epu32(distanceToBorder(b), slopeA),
+                              _mm256_mul_epu32(distanceToBorder(a), slopeB));
 }
 /// Lanes in which axis a crosses its next border before axis b: distances to
 /// the border (at most 2^31) and slopes compare as exact products.
-SUPERRAY_TARGET inline int firstCrosses(Long8 a, Long8 slopeA, Long8 b, Long8 slopeB) {
-    return firstCrosses4(a.low, slopeA.low, b.low, slopeB.low) |
-           firstCrosses4(a.high, slopeA.high, b.high, slopeB.high) << 4;
+SUPERRAY_TARGET inline Mask firstCrosses(Long8 a, Long8 slopeA, Long8 b, Long8 slopeB) {
+    return narrow({firstCrosses4(a.low, slopeA.low, b.low, slopeB.low),
+                   firstCrosses4(a.high, slopeA.high, b.high, slopeB.high)});
 }
-SUPERRAY_TARGET inline __m256i expand(int mask) {
-    const __m256i bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-    return _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(mask), bits), bits);
-}
-
 SUPERRAY_TARGET inline __m256i following(__m256i x, __m256i before) {
-    const __m256i order = _mm256_setr_epi32(7, 0, 1, 2, 3, 4, 5, 6);
-    return _mm256_blend_epi32(_mm256_permutevar8x32_epi32(x, order),
-                              _mm256_permutevar8x32_epi32(before, order), 1);
+    return _mm256_alignr_epi8(x, _mm256_permute2x128_si256(before, x, 0x21), 12);
 }
 SUPERRAY_TARGET inline int differing(__m256i a, __m256i b) {
     return ~_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b))) & 0xFF;
 }
-SUPERRAY_TARGET inline __m256i select(int mask, __m256i a, __m256i b) {
-    return _mm256_blendv_epi8(b, a, expand(mask));
+SUPERRAY_TARGET inline __m256i select(Mask mask, __m256i a, __m256i b) {
+    return _mm256_castps_si256(_mm256_blendv_ps(_mm256_castsi256_ps(b), _mm256_castsi256_ps(a),
+                                                _mm256_castsi256_ps(mask)));
 }
 
 template <int minor, int axis>
@@ -88,7 +89,7 @@ class Parts {
     SUPERRAY_TARGET __m256i of(__m256i cells) const {
         const __m256i plain = _mm256_xor_si256(cells, flip_);
         const __m256i local = _mm256_and_si256(plain, _mm256_set1_epi32(7));
-        const __m256i parity = _mm256_and_si256(plain, _mm256_set1_epi32(8));
+        const __m256i parity = _mm256_and_si256(cells, _mm256_set1_epi32(8));
         return _mm256_or_si256(_mm256_slli_epi32(local, kBlockBits * axis + kPickBits),
                                _mm256_srli_epi32(parity, kBlockBits - minor));
     }
@@ -138,7 +139,7 @@ SUPERRAY_TARGET inline std::uint32_t openRow(Slice* open, const Extent* reach, E
     };
     change &= reached(0) | reached(1) << 4;
     if (change == 0) return 0;
-    const __m256i mixed = _mm256_blendv_epi8(before, now, expand(static_cast<int>(change)));
+    const __m256i mixed = select(maskOf(static_cast<int>(change)), now, before);
     _mm_storeu_si128(slices, _mm_packus_epi32(_mm256_castsi256_si128(mixed),
                                               _mm256_extracti128_si256(mixed, 1)));
     return static_cast<std::uint32_t>(__builtin_popcount(change));
@@ -146,15 +147,15 @@ SUPERRAY_TARGET inline std::uint32_t openRow(Slice* open, const Extent* reach, E
 SUPERRAY_TARGET inline __m256i gatherInts(const int* base, __m256i indices) {
     return _mm256_i32gather_epi32(base, indices, 4);
 }
-struct Double8 {
+struct Double8 {  // as Long8
     __m256d low, high;
 };
 
 template <typename Scalar>
 SUPERRAY_TARGET inline Double8 gatherDoubles(const Scalar* base, const std::uint32_t* indices) {
     const auto at = [&](int i) SUPERRAY_TARGET { return double{base[indices[i]]}; };
-    return {_mm256_setr_pd(at(0), at(1), at(2), at(3)),
-            _mm256_setr_pd(at(4), at(5), at(6), at(7))};
+    return {_mm256_setr_pd(at(0), at(1), at(4), at(5)),
+            _mm256_setr_pd(at(2), at(3), at(6), at(7))};
 }
 SUPERRAY_TARGET inline Double8 times(Double8 a, double x) {
     return {a.low * x, a.high * x};
@@ -186,12 +187,13 @@ SUPERRAY_TARGET inline Long8 wholeUnits(Long8 a) {
     return {_mm256_srli_epi64(a.low, kUnitBits), _mm256_srli_epi64(a.high, kUnitBits)};
 }
 SUPERRAY_TARGET inline Long8 wide(__m256i x) {
-    return {_mm256_cvtepi32_epi64(_mm256_castsi256_si128(x)),
-            _mm256_cvtepi32_epi64(_mm256_extracti128_si256(x, 1))};
+    return {_mm256_unpacklo_epi32(x, _mm256_setzero_si256()),
+            _mm256_unpackhi_epi32(x, _mm256_setzero_si256())};
 }
 SUPERRAY_TARGET inline void store(Long8 a, std::int64_t* to) {
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), a.low);
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + 4), a.high);
+    const auto lanes = reinterpret_cast<__m256i*>(to);
+    _mm256_storeu_si256(lanes, _mm256_permute2x128_si256(a.low, a.high, 0x20));
+    _mm256_storeu_si256(lanes + 1, _mm256_permute2x128_si256(a.low, a.high, 0x31));
 }
 
 }  // namespace simd

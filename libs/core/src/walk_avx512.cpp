@@ -44,7 +44,11 @@ SUPERRAY_TARGET inline __m256i cells(Long8 a) {
 }
 /// Lanes in which axis a crosses its next border before axis b: distances to
 /// the border (at most 2^31) and slopes compare as exact products.
-SUPERRAY_TARGET inline int firstCrosses(Long8 a, Long8 slopeA, Long8 b, Long8 slopeB) {
+using Mask = int;
+SUPERRAY_TARGET inline Mask maskOf(int bits) {
+    return bits;
+}
+SUPERRAY_TARGET inline Mask firstCrosses(Long8 a, Long8 slopeA, Long8 b, Long8 slopeB) {
     const __m512i unit = _mm512_set1_epi64(kUnitsPerCell);
     const __m512i low = _mm512_set1_epi64(kUnitsPerCell - 1);
     const __m512i toA = _mm512_sub_epi64(unit, _mm512_and_si512(a.v, low));
@@ -58,7 +62,7 @@ SUPERRAY_TARGET inline __m256i following(__m256i x, __m256i before) {
 SUPERRAY_TARGET inline int differing(__m256i a, __m256i b) {
     return _mm256_cmpneq_epi32_mask(a, b);
 }
-SUPERRAY_TARGET inline __m256i select(int mask, __m256i a, __m256i b) {
+SUPERRAY_TARGET inline __m256i select(Mask mask, __m256i a, __m256i b) {
     return _mm256_mask_blend_epi32(static_cast<__mmask8>(mask), b, a);
 }
 
@@ -68,17 +72,17 @@ class Parts {
  public:
     SUPERRAY_TARGET explicit Parts(std::int32_t flip) {
         const __m256i cells = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-        low_ = plain(_mm256_xor_si256(cells, _mm256_set1_epi32(flip)));
-        high_ = plain(_mm256_xor_si256(_mm256_add_epi32(cells, _mm256_set1_epi32(8)),
-                                       _mm256_set1_epi32(flip)));
+        low_ = of(cells, flip);
+        high_ = of(_mm256_add_epi32(cells, _mm256_set1_epi32(8)), flip);
     }
     SUPERRAY_TARGET __m256i of(__m256i cells) const {
         return _mm256_permutex2var_epi32(low_, cells, high_);
     }
 
  private:
-    SUPERRAY_TARGET static __m256i plain(__m256i cells) {
-        const __m256i local = _mm256_and_si256(cells, _mm256_set1_epi32(7));
+    SUPERRAY_TARGET static __m256i of(__m256i cells, std::int32_t flip) {
+        const __m256i local = _mm256_and_si256(_mm256_xor_si256(cells, _mm256_set1_epi32(flip)),
+                                               _mm256_set1_epi32(7));
         const __m256i parity = _mm256_and_si256(cells, _mm256_set1_epi32(8));
         return _mm256_or_si256(_mm256_slli_epi32(local, kBlockBits * axis + kPickBits),
                                _mm256_srli_epi32(parity, kBlockBits - minor));
