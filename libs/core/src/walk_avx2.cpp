@@ -26,11 +26,11 @@ struct Long8 {
     __m256i low, high;
 };
 
+/// \pre 0 <= step < 2^32
 SUPERRAY_TARGET inline Long8 ramp(std::int64_t base, std::int64_t step) {
-    const __m256i start = _mm256_set1_epi64x(base);
-    return {
-        _mm256_add_epi64(start, _mm256_setr_epi64x(0, step, 4 * step, 5 * step)),
-        _mm256_add_epi64(start, _mm256_setr_epi64x(2 * step, 3 * step, 6 * step, 7 * step))};
+    const __m256i start = _mm256_set1_epi64x(base), each = _mm256_set1_epi64x(step);
+    return {_mm256_add_epi64(start, _mm256_mul_epu32(each, _mm256_setr_epi64x(0, 1, 4, 5))),
+            _mm256_add_epi64(start, _mm256_mul_epu32(each, _mm256_setr_epi64x(2, 3, 6, 7)))};
 }
 SUPERRAY_TARGET inline Long8 all(std::int64_t x) {
     return {_mm256_set1_epi64x(x), _mm256_set1_epi64x(x)};

@@ -25,10 +25,11 @@ struct Long8 {
     __m512i v;
 };
 
+/// \pre 0 <= step < 2^32
 SUPERRAY_TARGET inline Long8 ramp(std::int64_t base, std::int64_t step) {
     const __m512i lanes = _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7);
     return {_mm512_add_epi64(_mm512_set1_epi64(base),
-                             _mm512_mullo_epi64(lanes, _mm512_set1_epi64(step)))};
+                             _mm512_mul_epu32(lanes, _mm512_set1_epi64(step)))};
 }
 SUPERRAY_TARGET inline Long8 all(std::int64_t x) {
     return {_mm512_set1_epi64(x)};
