@@ -64,10 +64,9 @@ void RayBundle<Dim>::restart(const Point<Dim>& origin) {
 
 template <int Dim>
 void RayBundle<Dim>::reserve(std::size_t n) {
-    if (single_)
-        for (auto& c : singles_) c.reserve(n);
-    else
-        for (auto& c : doubles_) c.reserve(n);
+    visitKept([&](auto& ends) {
+        for (auto& c : ends) c.reserve(n);
+    });
     kinds_.reserve(n);
 }
 
@@ -89,10 +88,9 @@ void RayBundle<Dim>::restartLike(const RayBundle& other) {
     highest_ = other.highest_;
     single_ = other.single_;
     reserve(other.size());
-    if (single_)
-        for (auto& c : singles_) c.grow(other.size());
-    else
-        for (auto& c : doubles_) c.grow(other.size());
+    visitKept([&](auto& ends) {
+        for (auto& c : ends) c.grow(other.size());
+    });
     kinds_.resize(other.size());
 }
 

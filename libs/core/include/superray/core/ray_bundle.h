@@ -178,6 +178,14 @@ class RayBundle {
         return const_cast<PerAxis<Scalar>&>(
             std::as_const(*this).template coordinates<Scalar>());
     }
+    /// Calls visit(coordinates) with those that are used.
+    template <typename Visit>
+    void visitKept(const Visit& visit) {
+        if (single_)
+            visit(singles_);
+        else
+            visit(doubles_);
+    }
     void addRay(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind);
     void useDoubles();
     template <typename Scalar>
