@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -105,8 +106,9 @@ bool RayBundle<Dim>::addGoodReturns(const Scalar* ends, std::size_t count, unsig
     PerAxis<Scalar>& to = coordinates<Scalar>();
     const std::size_t shares =
         std::max<std::size_t>(1, std::min<std::size_t>(threads, count / kPerShare));
-    std::vector<PointBatch<Dim, Scalar>> batches(shares);
-    std::vector<char> good(shares);
+    std::mutex mutex;  // of these:
+    bool good = true;
+    Point<Dim> lowest = lowest_, highest = highest_;
     inParallel(shares, [&](std::size_t s) {
         const std::size_t first = shareBegin(count, s, shares);
         const std::size_t last = shareBegin(count, s + 1, shares);
@@ -114,16 +116,18 @@ bool RayBundle<Dim>::addGoodReturns(const Scalar* ends, std::size_t count, unsig
         for (int a = 0; a < Dim; ++a) batch.coordinates[a] = to[a].end() + first;
         batch.lowest = lowest_;
         batch.highest = highest_;
-        good[s] = copyPoints(ends + first * Dim, last - first, geometry_.scaled(1.0), batch);
-        batches[s] = batch;
+        const bool allGood =
+            copyPoints(ends + first * Dim, last - first, geometry_.scaled(1.0), batch);
+        const std::lock_guard<std::mutex> lock(mutex);
+        good &= allGood;
+        lowest = lowest.cwiseMin(batch.lowest);
+        highest = highest.cwiseMax(batch.highest);
     });
-    if (std::find(good.begin(), good.end(), 0) != good.end()) return false;
+    if (!good) return false;
     for (auto& c : to) c.grow(count);
     kinds_.resize(kinds_.size() + count, RayEnd::hit);
-    for (const auto& batch : batches) {
-        lowest_ = lowest_.cwiseMin(batch.lowest);
-        highest_ = highest_.cwiseMax(batch.highest);
-    }
+    lowest_ = lowest;
+    highest_ = highest;
     return true;
 }
 

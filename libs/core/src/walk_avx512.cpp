@@ -43,12 +43,12 @@ SUPERRAY_TARGET inline Long8 subtract(Long8 a, Long8 b) {
 SUPERRAY_TARGET inline __m256i cells(Long8 a) {
     return _mm512_cvtepi64_epi32(_mm512_srli_epi64(a.v, kUnitBits));
 }
-/// Lanes in which axis a crosses its next border before axis b: distances to
-/// the border (at most 2^31) and slopes compare as exact products.
 using Mask = int;
 SUPERRAY_TARGET inline Mask maskOf(int bits) {
     return bits;
 }
+/// Lanes in which axis a crosses its next border before axis b: distances to
+/// the border (at most 2^31) and slopes compare as exact products.
 SUPERRAY_TARGET inline Mask firstCrosses(Long8 a, Long8 slopeA, Long8 b, Long8 slopeB) {
     const __m512i unit = _mm512_set1_epi64(kUnitsPerCell);
     const __m512i low = _mm512_set1_epi64(kUnitsPerCell - 1);
