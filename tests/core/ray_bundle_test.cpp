@@ -160,6 +160,10 @@ TEST(RayBundle, CoordinatesAreInSinglePrecisionAsLongAsItHoldsThem) {
     }
     ASSERT_EQ(copy.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(copy.end(i), rays.end(i));
+    copy.restartLike(rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) copy.place(i, rays, i);
+    EXPECT_FALSE(copy.singlePrecision());
+    for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(copy.end(i), rays.end(i));
 
     rays.restart({0, 0, 0});
     EXPECT_TRUE(rays.singlePrecision());
