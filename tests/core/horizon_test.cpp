@@ -68,7 +68,7 @@ RayLine<Dim> lineOf(const RayBundle<Dim>& scan, std::size_t ray) {
 template <int Dim>
 struct ScanDirections {
     DirectionTiles<Dim> tiles;
-    std::vector<std::uint32_t> tile;
+    std::vector<std::uint32_t> spot;
     std::vector<std::uint16_t> lastSlice;
     std::vector<Extent> extent;
     std::vector<std::uint32_t> block;
@@ -86,13 +86,13 @@ void inPieces(const WalkKernels<Dim>& kernels, const RayBundle<Dim>& scan, std::
     BlockDirectory<Dim> directory;
     directory.reset(box);
     constexpr std::size_t kSlack = RayDirections<Dim>::kSlack;
-    all.tile.resize(scan.size() - first + kSlack);
+    all.spot.resize(scan.size() - first + kSlack);
     all.lastSlice.resize(scan.size() - first + kSlack);
     const auto piece = std::make_unique<RayDirections<Dim>>();
     for (std::size_t at = first; at < scan.size(); at += RayDirections<Dim>::kMost) {
         const std::size_t count = std::min(RayDirections<Dim>::kMost, scan.size() - at);
         kernels.findDirections(scan, at, count, directory, all.tiles,
-                               all.tile.data() + (at - first),
+                               all.spot.data() + (at - first),
                                all.lastSlice.data() + (at - first), *piece);
         use(at, count, *piece);
     }
@@ -117,7 +117,7 @@ ScanDirections<Dim> directionsOf(const RayBundle<Dim>& scan, int levels,
                  for (std::size_t i = 0; i < runs; ++i)
                      all.runs.push_back(static_cast<std::uint32_t>(at - first) + starts[i]);
              });
-    all.tile.resize(scan.size() - first);  // vector loads are over
+    all.spot.resize(scan.size() - first);  // vector loads are over
     return all;
 }
 
@@ -150,28 +150,34 @@ TYPED_TEST(HorizonOf, DirectionsAreThoseOfTheLines) {
                 for (int a = 0; a < Dim; ++a)
                     ASSERT_EQ(d.extent[i][static_cast<unsigned>(a)],
                               std::abs(end[a] - sensor[a]));
-                if (d.tile[i] == d.tiles.lone()) {
+                if (d.tiles.tileOf(d.spot[i]) == d.tiles.lone()) {
                     ++lone;
                     continue;
                 }
                 ++certain;
-                ASSERT_EQ(d.lastSlice[i], d.extent[i][d.tiles.kindOf(d.tile[i]) & 3]);
+                ASSERT_EQ(d.lastSlice[i], d.extent[i][d.tiles.kindOf(d.spot[i]) & 3]);
                 const RayLine<Dim> line = lineOf(scan, first + i);
                 std::uint32_t kind = static_cast<std::uint32_t>(line.dominant);
                 for (int a = 0; a < Dim; ++a) kind |= line.flip[a] != 0 ? 4u << a : 0u;
-                ASSERT_EQ(d.tiles.kindOf(d.tile[i]), kind);
-                std::uint32_t tile = d.tile[i] - kind * d.tiles.perKind();
+                ASSERT_EQ(d.tiles.kindOf(d.spot[i]), kind);
+                std::uint32_t tile = d.tiles.tileOf(d.spot[i]) - kind * d.tiles.perKind();
+                std::uint32_t spot = d.spot[i] % Opening::kSpots;
                 ASSERT_LT(tile, 1u << (kLevels * (Dim - 1)));
+                constexpr int kSpotsPerAxis = DirectionTiles<Dim>::kAxisSpots << kLevels;
                 for (int a = 0; a < Dim; ++a) {
                     if (a == line.dominant) continue;
                     const double at =
-                        static_cast<double>(line.slope[a]) / kUnitsPerCell * (1 << kLevels);
-                    const auto number = static_cast<double>(tile & ((1u << kLevels) - 1));
-                    const double margin = RayDirections<Dim>::kSlopeMargin * (1 << kLevels);
+                        static_cast<double>(line.slope[a]) / kUnitsPerCell * kSpotsPerAxis;
+                    const std::uint32_t number =
+                        (tile & ((1u << kLevels) - 1)) * DirectionTiles<Dim>::kAxisSpots +
+                        spot % DirectionTiles<Dim>::kAxisSpots;
+                    const double margin = RayDirections<Dim>::kSlopeMargin * kSpotsPerAxis;
                     ASSERT_GE(at, number - margin);
                     ASSERT_LE(at, number + 1 + margin);
                     tile >>= kLevels;
+                    spot /= DirectionTiles<Dim>::kAxisSpots;
                 }
+                ASSERT_EQ(spot, 0u);
             }
         }
     });
@@ -180,8 +186,9 @@ TYPED_TEST(HorizonOf, DirectionsAreThoseOfTheLines) {
     EXPECT_GT(lone, 100u);
 }
 
-TYPED_TEST(HorizonOf, AnOpenCellIsNotedInTheTilesOfAllItsRays) {
+TYPED_TEST(HorizonOf, AnOpenCellIsNotedInTheSpotsOfAllItsRays) {
     constexpr int Dim = TypeParam::value;
+    Random random(31);
     std::size_t cells = 0, tiles = 0, noted = 0;
     forEachScene<Dim>([&](const RayBundle<Dim>& scan) {
         for (int levels : {2, 6}) {
@@ -189,7 +196,7 @@ TYPED_TEST(HorizonOf, AnOpenCellIsNotedInTheTilesOfAllItsRays) {
             Horizon<Dim> horizon = horizonOf(scan, d);
             for (std::size_t i = 0; i < scan.size(); i += 23) {
                 const RayLine<Dim> line = lineOf(scan, i);
-                if (d.tile[i] == d.tiles.lone() || line.steps() == 0) continue;
+                if (d.tiles.tileOf(d.spot[i]) == d.tiles.lone() || line.steps() == 0) continue;
                 // One of its cells, and its slice.
                 const auto wanted = static_cast<std::int64_t>(i * 7919) % line.steps();
                 std::int64_t at = 0;
@@ -199,22 +206,27 @@ TYPED_TEST(HorizonOf, AnOpenCellIsNotedInTheTilesOfAllItsRays) {
                 });
                 const std::int32_t slice = (open[line.dominant] ^ line.flip[line.dominant]) -
                                            line.first[line.dominant];
+                // Alone, and with others, also in rows.
                 BlockMask<Dim> mask;
-                mask.set(indexInBlock<Dim>(open));
-                horizon.clear();
-                ASSERT_TRUE(horizon.reaches(blockOf<Dim>(open)));
-                horizon.open(blockOf<Dim>(open), mask);
-                horizon.completeOpen();
-                ASSERT_LE(horizon.firstOpen(d.tile[i]), slice) << i;
-                ++cells;
-                for (std::size_t j = 0; j < scan.size(); j += 101) {
-                    ++tiles;
-                    noted += horizon.firstOpen(d.tile[j]) != Horizon<Dim>::kNever;
+                for (const bool others : {false, true}) {
+                    for (int c = 0; others && c < kBlockCells<Dim>; ++c)
+                        if (test::integer(random, 0, 3) > 0) mask.set(c);
+                    mask.set(indexInBlock<Dim>(open));
+                    horizon.clear();
+                    ASSERT_TRUE(horizon.reaches(blockOf<Dim>(open)));
+                    horizon.open(blockOf<Dim>(open), mask);
+                    horizon.completeOpen();
+                    ASSERT_LE(horizon.firstOpen(d.spot[i]), slice) << i;
+                    ++cells;
+                    for (std::size_t j = 0; !others && j < scan.size(); j += 101) {
+                        ++tiles;
+                        noted += horizon.firstOpen(d.spot[j]) != Horizon<Dim>::kNever;
+                    }
                 }
             }
         }
     });
-    EXPECT_GT(cells, 1000u);
+    EXPECT_GT(cells, 2000u);
     // A horizon that is open everywhere would pass the above.
     EXPECT_LT(noted, tiles / 2);
 }
@@ -244,7 +256,7 @@ void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
     for (std::size_t i = 0; i < scan.size(); ++i) {
         const RayLine<Dim> line = lineOf(scan, i);
         const std::int32_t from =
-            std::min<std::int32_t>(horizon.firstOpen(d.tile[i]), line.slices());
+            std::min<std::int32_t>(horizon.firstOpen(d.spot[i]), line.slices());
         forEachFreeCell(line, 0, from, [&](const Cell<Dim>& c) {
             ++skipped;
             const auto block = state.ownBatchBlock(blockOf<Dim>(c));
@@ -287,7 +299,7 @@ TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
                 state->countMapSaturation(nullptr, SensorModel(), UpdatePolicy::everyRay);
             }
             const ScanDirections<Dim> ends = directionsOf(scan, 3, kernels);
-            ASSERT_EQ(ends.tile, d.tile);
+            ASSERT_EQ(ends.spot, d.spot);
             // Every other ray with the kernel for a few slices, of any length here.
             std::array<RayLanes, DirectionTiles<Dim>::kKinds> waiting, ending;
             const auto walk = [&](RayLanes& lanes, WalkRays<Dim> kernel) {
@@ -301,7 +313,7 @@ TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
                 const Cell<Dim> end = g.cellOf(scan.end(i));
                 ASSERT_EQ(ends.block[i], got.directory.indexOf(blockOf<Dim>(end)));
                 ASSERT_EQ(ends.local[i], static_cast<unsigned>(indexInBlock<Dim>(end)));
-                if (d.tile[i] == d.tiles.lone()) continue;
+                if (d.tiles.tileOf(d.spot[i]) == d.tiles.lone()) continue;
                 const RayLine<Dim> line = lineOf(scan, i);
                 const auto from =
                     static_cast<std::int32_t>(i % static_cast<std::size_t>(line.slices() + 1));
@@ -309,8 +321,8 @@ TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
                 walkPortable(expected, line, from, line.slices());
                 expected.flush(1);
                 const bool few = from > 0 && i % 2 == 0;
-                RayLanes& lanes = (few ? ending : waiting)[d.tiles.kindOf(d.tile[i])];
-                lanes.kind = d.tiles.kindOf(d.tile[i]);
+                RayLanes& lanes = (few ? ending : waiting)[d.tiles.kindOf(d.spot[i])];
+                lanes.kind = d.tiles.kindOf(d.spot[i]);
                 lanes.ray[lanes.count] = static_cast<std::uint32_t>(i);
                 lanes.from[lanes.count] = from;
                 if (++lanes.count == 8) walk(lanes, few ? kernels.walkEnds : kernels.walkRays);
@@ -351,9 +363,10 @@ TYPED_TEST(HorizonOf, RunsAreRaysThatGoAndEndAlike) {
             const ScanDirections<Dim> d = directionsOf(scan, 4, kernels);
             std::vector<std::uint32_t> expected;
             for (std::size_t i = 0; i < scan.size(); ++i) {
+                const std::uint32_t tile = d.tiles.tileOf(d.spot[i]);
                 const bool same = i % RayDirections<Dim>::kMost != 0 &&
-                                  d.tile[i] == d.tile[i - 1] && d.tile[i] != d.tiles.lone() &&
-                                  d.extent[i] == d.extent[i - 1] &&
+                                  tile == d.tiles.tileOf(d.spot[i - 1]) &&
+                                  tile != d.tiles.lone() && d.extent[i] == d.extent[i - 1] &&
                                   scan.kind(i) == scan.kind(i - 1);
                 if (!same) expected.push_back(static_cast<std::uint32_t>(i));
             }
@@ -368,32 +381,43 @@ TYPED_TEST(HorizonOf, RunsAreRaysThatGoAndEndAlike) {
 
 TYPED_TEST(HorizonOf, ChosenAreRaysWithSomethingToTell) {
     constexpr int Dim = TypeParam::value;
-    constexpr std::size_t kTiles = 501;
+    constexpr int kTiles = 501;
     Random random(4711);
-    std::size_t chosen = 0;
+    std::size_t chosen = 0, late = 0, besides = 0;
     for (std::size_t count : {0u, 1u, 15u, 16u, 17u, 5000u}) {
-        std::vector<std::uint16_t> open(kTiles + 1), last(count + 16);
-        std::vector<std::uint32_t> tile(count);  // chooseRays() reads no more
-        for (auto& o : open)
-            o = static_cast<std::uint16_t>(test::integer(random, 0, 1)
-                                               ? Horizon<Dim>::kNever
-                                               : test::integer(random, 0, 40000));
+        std::vector<Opening> openings(kTiles);
+        std::vector<std::uint16_t> last(count + 16);
+        std::vector<std::uint32_t> spot(count);  // chooseRays() reads no more
+        const auto number = [&](int most) {
+            return static_cast<std::uint32_t>(test::integer(random, 0, most));
+        };
+        for (Opening& o : openings)
+            o = number(2) == 0 ? Opening::never()
+                               : Opening::of(static_cast<Slice>(number(40000)), number(0xFFFF));
         for (std::size_t i = 0; i < count; ++i) {
-            tile[i] = static_cast<std::uint32_t>(test::integer(random, 0, int{kTiles} - 1));
-            last[i] = static_cast<std::uint16_t>(test::integer(random, 0, 40000));
+            spot[i] = number(kTiles * Opening::kSpots - 1);
+            last[i] = static_cast<std::uint16_t>(number(40000));
         }
         std::vector<std::uint32_t> expected;
-        for (std::uint32_t i = 0; i < count; ++i)
-            if (open[tile[i]] <= last[i]) expected.push_back(i);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const Opening opening = openings[spot[i] / 16];
+            const bool open = (opening.spots() >> spot[i] % 16 & 1) != 0;
+            const bool inTime = opening.slice() <= last[i];
+            if (open && inTime) expected.push_back(i);
+            late += open && !inTime;
+            besides += !open && inTime;
+        }
         for (const WalkKernels<Dim>& kernels : allKernels<Dim>()) {
             std::vector<std::uint32_t> got(count + 16);
-            got.resize(
-                kernels.chooseRays(tile.data(), last.data(), count, open.data(), got.data()));
+            got.resize(kernels.chooseRays(spot.data(), last.data(), count, openings.data(),
+                                          got.data()));
             ASSERT_EQ(got, expected);
         }
         chosen += expected.size();
     }
-    EXPECT_GT(chosen, 1000u);
+    EXPECT_GT(chosen, 500u);
+    EXPECT_GT(late, 500u);
+    EXPECT_GT(besides, 500u);
 }
 
 TEST(RaySample, IsSpreadAndDependsOnTheNumberOfRaysOnly) {

@@ -3,6 +3,16 @@
 #include "walk_kernel.h"
 
 namespace superray {
+namespace {
+
+/// A tile's spots as those of the tile below that covers its (x, y)th quarter.
+std::uint32_t spotsBelow(std::uint32_t spots, std::uint32_t x, std::uint32_t y) {
+    const std::uint32_t s = spots >> (2 * x + 8 * y);
+    const std::uint32_t rows = 3 * (s & 0x11) | 6 * (s & 0x22);  // columns twice
+    return 0x11 * (rows & 0x0F) | 0x110 * (rows & 0xF0);
+}
+
+}  // namespace
 
 template <int Dim>
 void Horizon<Dim>::reset(const DirectionTiles<Dim>& tiles, const Units<Dim>& origin) {
@@ -51,7 +61,8 @@ std::size_t Horizon<Dim>::addInTurns(const RayDirections<Dim>& directions,
     std::size_t changes = 0;
     inTurns(count, [&](std::size_t, std::size_t i) {
         const Extent extent = directions.extent[rays[i]];
-        Extent& reach = reach_[directions.tile[rays[i]]];  // that of the lone tile is not used
+        // That of the lone tile is not used.
+        Extent& reach = reach_[DirectionTiles<Dim>::tileOf(directions.spot[rays[i]])];
         const bool change = !extent.within(reach);
         changes += change;
         if (branches == Branches::none || change) reach = reach.joined(extent);
@@ -93,49 +104,53 @@ void Horizon<Dim>::raise(Value* kind, const Join& join) const {
 
 template <int Dim>
 void Horizon<Dim>::clear() {
-    openFrom(kNever);
+    fillOpenings(Opening::never());
     completeLimits();
 }
 
 template <int Dim>
 void Horizon<Dim>::openAll() {
-    openFrom(0);
+    fillOpenings(Opening::all(0));
 }
 
 /// All tiles, but that of the lone rays, which are walked from the beginning.
 template <int Dim>
-void Horizon<Dim>::openFrom(Slice slice) {
+void Horizon<Dim>::fillOpenings(Opening opening) {
     for (std::uint32_t left = used_; left != 0; left &= left - 1)
         std::fill_n(
             open_.data() + std::size_t{perKind_} * static_cast<unsigned>(__builtin_ctz(left)),
-            perKind_, slice);
-    open_[tiles_.lone()] = 0;
-    open_[tiles_.spent()] = kNever;
+            perKind_, opening);
+    open_[tiles_.lone()] = Opening::all(0);
+    open_[tiles_.spent()] = Opening::never();
 }
 
 template <int Dim>
 void Horizon<Dim>::completeOpen() {
     for (std::uint32_t left = used_; left != 0; left &= left - 1) {
-        Slice* const kind =
+        Opening* const kind =
             open_.data() + perKind_ * static_cast<unsigned>(__builtin_ctz(left));
         for (int level = tiles_.levels; level > 0; --level) {
-            Slice* fine = kind + levelBegin_[static_cast<std::size_t>(level - 1)];
-            const Slice* coarse = kind + levelBegin_[static_cast<std::size_t>(level)];
+            Opening* const fine = kind + levelBegin_[static_cast<std::size_t>(level - 1)];
+            const Opening* const coarse = kind + levelBegin_[static_cast<std::size_t>(level)];
             const std::uint32_t edge = tiles_.edge(level);
-            for (std::uint32_t y = 0; y < (Dim == 3 ? 2 * edge : 1); ++y) {
-                const Slice* const row = coarse + (Dim == 3 ? y / 2 * edge : 0);
-                for (std::uint32_t x = 0; x < edge; ++x) {
-                    fine[2 * x] = std::min(fine[2 * x], row[x]);
-                    fine[2 * x + 1] = std::min(fine[2 * x + 1], row[x]);
-                }
-                fine += 2 * edge;
+            const std::uint32_t count = Dim == 3 ? edge * edge : edge;
+            for (std::uint32_t t = 0; t < count; ++t) {
+                const Opening above = coarse[t];
+                if (above.spots() == 0) continue;
+                Opening* const below = fine + 4 * (t & ~(edge - 1)) + 2 * (t & (edge - 1));
+                for (std::uint32_t y = 0; y < (Dim == 3 ? 2 : 1); ++y)
+                    for (std::uint32_t x = 0; x < 2; ++x) {
+                        const std::uint32_t spots = spotsBelow(above.spots(), x, y);
+                        Opening& to = below[2 * edge * y + x];
+                        if (spots != 0) to = to.joined(Opening::of(above.slice(), spots));
+                    }
             }
         }
     }
 }
 
-/// How far there is something to see: as far as rays reach, but not behind what is
-/// open.
+/// How far there is something to see: as far as rays reach, but not where all of them
+/// are walked anyway.
 template <int Dim>
 void Horizon<Dim>::completeLimits() {
     opened_ = 0;
@@ -144,9 +159,11 @@ void Horizon<Dim>::completeLimits() {
         const unsigned d = number & 3;
         Slice* const kind = limit_.data() + perKind_ * number;
         const Extent* const reach = reach_.data() + perKind_ * number;
-        const Slice* const open = open_.data() + perKind_ * number;
+        const Opening* const open = open_.data() + perKind_ * number;
         for (std::uint32_t t = 0; t < levelBegin_.data()[1]; ++t) {
-            kind[t] = std::min(static_cast<Slice>(reach[t][d] + 1), open[t]);
+            const auto end = static_cast<Slice>(reach[t][d] + 1);
+            const bool all = open[t].spots() == Opening::kAllSpots;
+            kind[t] = std::min(end, all ? open[t].slice() : kNever);
         }
         raise(kind, [](Slice x, Slice y) { return std::max(x, y); });
     }

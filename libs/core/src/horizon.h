@@ -44,18 +44,21 @@ class Horizon {
     void openAll();
     /// Notes that rays have something to tell at these cells of a block.
     void open(const BlockKey<Dim>& block, const BlockMask<Dim>& cells);
-    /// After the last open(), before the first firstOpen().
+    /// After the last open(), before the first question about it.
     void completeOpen();
-    /// The first slice in which a ray of the tile has something to tell; kNever if
+    /// The first slice in which a ray of the spot may have something to tell; kNever if
     /// none.
-    Slice firstOpen(std::uint32_t tile) const { return open_[tile]; }
-    /// The same of all tiles, with room for a vector load beyond.
-    const Slice* firstOpen() const { return open_.data(); }
+    Slice firstOpen(std::uint32_t spot) const {
+        const Opening opening = open_[DirectionTiles<Dim>::tileOf(spot)];
+        return opening.opens(spot) ? opening.slice() : kNever;
+    }
+    /// Of all tiles.
+    const Opening* openings() const { return open_.data(); }
 
  private:
     template <typename Visit>
     void forEachSight(const BlockKey<Dim>& block, const Visit& visit) const;
-    void openFrom(Slice slice);
+    void fillOpenings(Opening opening);
     void completeLimits();
     template <typename Value, typename Join>
     void raise(Value* kind, const Join& join) const;
@@ -74,8 +77,9 @@ class Horizon {
     std::vector<std::uint32_t> levelBegin_;
     // Only kinds that are used are initialised.
     ScratchArray<Extent> reach_;  // largest, axis by axis
-    ScratchArray<Slice> open_;
-    /// The farthest slice that rays reach and that is not behind an open cell, + 1.
+    ScratchArray<Opening> open_;
+    /// The farthest slice that rays reach and that is not behind open cells in all spots,
+    /// + 1.
     ScratchArray<Slice> limit_;
     std::uint32_t opened_ = 0;  // tiles since the limits were computed
 };

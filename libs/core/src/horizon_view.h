@@ -5,12 +5,7 @@
 
 #include "ray_directions.h"
 
-#include <limits>
-
 namespace superray {
-
-using Slice = std::uint16_t;
-inline constexpr Slice kNoSlice = std::numeric_limits<Slice>::max();
 
 /// What a digital line may be off the straight one [cells], with room to spare:
 /// it lags by less than (2^16 + 2) * 2^-31.
@@ -43,11 +38,11 @@ struct HorizonView {
     DirectionTiles<Dim> tiles;
     const std::uint32_t* levelBegin;  ///< per level, see DirectionTiles
     const Extent* reach;              ///< per tile
-    Slice* open;                      ///< per tile
+    Opening* open;                    ///< per tile
 };
 
 /// Notes open cells of a block in the tiles of rays of one kind that may visit them.
-/// \return how many tiles it changed
+/// \return how many tiles it changed of which all spots are open
 template <int Dim>
 using NoteOpen = std::uint32_t (*)(const HorizonView<Dim>& horizon,
                                    const BlockSight<Dim>& sight, const BlockKey<Dim>& block,

@@ -82,13 +82,13 @@ template <int Dim>
 void HorizonWalk<Dim>::findDirections(std::size_t count) {
     constexpr std::size_t kMost = RayDirections<Dim>::kMost;
     constexpr std::size_t kSlack = RayDirections<Dim>::kSlack;
-    tile_.reserve(count + kSlack);
+    spot_.reserve(count + kSlack);
     lastSlice_.reserve(count + kSlack);
     chosen_.reserve(count + kSlack);
     for (std::size_t at = 0; at < count; at += kMost) {
         const std::size_t rays = std::min(kMost, count - at);
         kernels_.findDirections(*rays_, first_ + at, rays, state_->directory, tiles_,
-                                tile_.data() + at, lastSlice_.data() + at, directions_);
+                                spot_.data() + at, lastSlice_.data() + at, directions_);
         const std::size_t runs =
             kernels_.findRuns(directions_, rays_->kinds() + first_ + at, rays, starts_.data());
         starts_[runs] = static_cast<std::uint32_t>(rays);
@@ -103,7 +103,7 @@ double HorizonWalk<Dim>::slicesLeft(std::size_t count) const {
     constexpr std::size_t kEach = 37;
     double slices = 0;
     for (std::size_t i = 0; i < count; i += kEach)
-        slices += std::max(0, lastSlice_[i] + 1 - horizon_.firstOpen(tile_[i]));
+        slices += std::max(0, lastSlice_[i] + 1 - horizon_.firstOpen(spot_[i]));
     return slices * kEach;
 }
 
@@ -113,22 +113,19 @@ void HorizonWalk<Dim>::walkSample(std::size_t count) {
     std::size_t n = 0;
     for (const std::uint32_t ray : sample_.of(count)) {
         chosen_[n] = ray;
-        n += horizon_.firstOpen(tile_[ray]) <= lastSlice_[ray];
+        n += horizon_.firstOpen(spot_[ray]) <= lastSlice_[ray];
     }
     walkChosen(*this, {0, n});
     walkWaiting();
-    for (std::size_t i = 0; i < n; ++i) {
-        tile_[chosen_[i]] = tiles_.spent();
-        lastSlice_[chosen_[i]] = 0;
-    }
+    for (std::size_t i = 0; i < n; ++i) spot_[chosen_[i]] = tiles_.firstSpot(tiles_.spent());
 }
 
 /// Walks the last rays of a part that have something to tell, as far as the horizon
 /// knows, with the help of others: nothing that these read may change afterwards.
 template <int Dim>
 void HorizonWalk<Dim>::walkLast(std::size_t count) {
-    list_->publish(kernels_.chooseRays(tile_.data(), lastSlice_.data(), count,
-                                       horizon_.firstOpen(), chosen_.data()));
+    list_->publish(kernels_.chooseRays(spot_.data(), lastSlice_.data(), count,
+                                       horizon_.openings(), chosen_.data()));
     while (const auto piece = list_->take()) walkChosen(*this, *piece);
     walkWaiting();
 }
@@ -146,15 +143,15 @@ void HorizonWalk<Dim>::walkChosen(const HorizonWalk& owner, ListPiece piece) {
         const std::uint32_t ray = owner.chosen_[i];
         const std::size_t later = owner.chosen_[std::min(i + kAhead, piece.end - 1)];
         prefetchEnd(*rays_, owner.first_ + later);
-        const std::uint32_t tile = owner.tile_[ray];
-        const std::int32_t from = owner.horizon_.firstOpen(tile);
+        const std::uint32_t spot = owner.spot_[ray];
+        const std::int32_t from = owner.horizon_.firstOpen(spot);
         culled_ -= from == 0;
-        if (tile == owner.tiles_.lone()) {
+        if (owner.tiles_.tileOf(spot) == owner.tiles_.lone()) {
             walkAlone(owner.first_ + ray);
             continue;
         }
         const bool ends = from > 0 && owner.lastSlice_[ray] - from < kFewSlices;
-        RayLanes& lanes = (ends ? ending_ : waiting_)[owner.tiles_.kindOf(tile)];
+        RayLanes& lanes = (ends ? ending_ : waiting_)[owner.tiles_.kindOf(spot)];
         lanes.ray[lanes.count] = static_cast<std::uint32_t>(owner.first_) + ray;
         lanes.from[lanes.count] = from;
         if (++lanes.count == 8) walkLanes(lanes, ends ? kernels_.walkEnds : kernels_.walkRays);

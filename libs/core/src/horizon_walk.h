@@ -66,7 +66,7 @@ class HorizonWalk {
     std::array<std::uint32_t, RayDirections<Dim>::kMost + RayDirections<Dim>::kSlack>
         starts_;  // of runs in there
     Surprise hitsMatter_;
-    ScratchArray<std::uint32_t> tile_;       // per ray
+    ScratchArray<std::uint32_t> spot_;       // per ray
     ScratchArray<std::uint16_t> lastSlice_;  // per ray
     ScratchArray<std::uint32_t> chosen_;     // rays to walk, in turns with others
     RaySample sample_;

@@ -4,6 +4,7 @@
 #include <superray/core/ray_bundle.h>
 
 #include "block_directory.h"
+#include "opening.h"
 #include "packed_triple.h"
 
 #include <array>
@@ -17,13 +18,22 @@ using Extent = PackedTriple;
 /// Directions as seen from the common origin of a scan. The kind of a ray is its
 /// dominant axis, + 4 * (bit a: axis a runs backwards). Of each kind, a square of
 /// (in 2D, a row of) tiles covers the slopes minor / dominant, 0 .. 1 per minor
-/// axis. Tiles are followed by those of coarser levels, down to one tile.
+/// axis. Tiles are followed by those of coarser levels, down to one tile. A tile has
+/// 4 * 4 spots (in 2D, 4 by 4 that are alike): a spot's number is 16 * tile + spot in it.
 template <int Dim>
 struct DirectionTiles {
     static constexpr std::uint32_t kKinds = 1u << (2 + Dim);
-    static constexpr int kMostLevels = Dim == 2 ? 12 : 7;
+    static constexpr int kMostLevels = Dim == 2 ? 12 : 6;
+
+    static constexpr int kSpotBits = 4;
+    static_assert(1 << kSpotBits == Opening::kSpots);
+    static constexpr int kAxisSpotBits = 2;
+    static constexpr int kAxisSpots = 1 << kAxisSpotBits;  ///< of a tile, per minor axis
 
     int levels = 0;  ///< 2^levels tiles per minor axis
+
+    static constexpr std::uint32_t tileOf(std::uint32_t spot) { return spot >> kSpotBits; }
+    static constexpr std::uint32_t firstSpot(std::uint32_t tile) { return tile << kSpotBits; }
 
     std::uint32_t edge(int level) const { return 1u << (levels - level); }
     /// Index of a level's first tile, from the kind's first.
@@ -32,11 +42,13 @@ struct DirectionTiles {
         for (int l = 0; l < level; ++l) begin += 1u << ((Dim - 1) * (levels - l));
         return begin;
     }
-    /// Tiles from one kind to the next: a power of two, to find the kind of a tile
+    /// Tiles from one kind to the next: a power of two, to find the kind of a spot
     /// by a shift.
     int perKindBits() const { return (Dim - 1) * levels + 1; }
     std::uint32_t perKind() const { return 1u << perKindBits(); }
-    std::uint32_t kindOf(std::uint32_t tile) const { return tile >> perKindBits(); }
+    std::uint32_t kindOf(std::uint32_t spot) const {
+        return spot >> (perKindBits() + kSpotBits);
+    }
     /// A tile of its own for rays of which single precision cannot tell a kind.
     std::uint32_t lone() const { return kKinds * perKind(); }
     /// One for rays that have nothing more to tell.
@@ -58,7 +70,7 @@ struct RayDirections {
     /// Tiles are those of slopes in single precision, off the exact ones by less.
     static constexpr double kSlopeMargin = 1.0 / (1 << 20);
 
-    const std::uint32_t* tile;                  ///< per ray
+    const std::uint32_t* spot;                  ///< per ray; of lone rays: the first one
     std::array<Extent, kMost + kSlack> extent;  ///< of the end cell
     std::array<std::uint32_t, kMost> block;     ///< BlockDirectory::indexOf(), if it is dense
     std::array<std::uint16_t, kMost> local;     ///< index of the end cell in its block
@@ -68,13 +80,13 @@ struct RayDirections {
 
 /// Of `count` rays from `first` on.
 /// \param directory covers the scan
-/// \param tile of each ray, with kSlack more
+/// \param spot of each ray, with kSlack more
 /// \param lastSlice of each ray: in which it ends (of lone rays, any)
 /// \pre count <= RayDirections::kMost
 template <int Dim>
 using FindDirections = void (*)(const RayBundle<Dim>& rays, std::size_t first,
                                 std::size_t count, const BlockDirectory<Dim>& directory,
-                                const DirectionTiles<Dim>& tiles, std::uint32_t* tile,
+                                const DirectionTiles<Dim>& tiles, std::uint32_t* spot,
                                 std::uint16_t* lastSlice, RayDirections<Dim>& out);
 
 /// Finds runs of rays that go and end alike among the first `count` rays: where they
@@ -85,14 +97,14 @@ template <int Dim>
 using FindRuns = std::size_t (*)(const RayDirections<Dim>& directions, const RayEnd* ends,
                                  std::size_t count, std::uint32_t* starts);
 
-/// Chooses among `count` rays those whose last slice is not before the first open
-/// one of their tile, in order.
+/// Chooses among `count` rays those of open spots whose last slice is not before the
+/// first open one of their tile, in order.
 /// \param lastSlice of each ray, with kSlack more
-/// \param firstOpen of each tile; a vector load may read 2 bytes beyond
+/// \param openings of each tile
 /// \param chosen has room for kSlack more than there are rays
 /// \return number of rays chosen
-using ChooseRays = std::size_t (*)(const std::uint32_t* tile, const std::uint16_t* lastSlice,
-                                   std::size_t count, const std::uint16_t* firstOpen,
+using ChooseRays = std::size_t (*)(const std::uint32_t* spot, const std::uint16_t* lastSlice,
+                                   std::size_t count, const Opening* openings,
                                    std::uint32_t* chosen);
 
 }  // namespace superray

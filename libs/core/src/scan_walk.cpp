@@ -185,16 +185,16 @@ void ScanWalk<Dim>::findKinds(Share& share, std::size_t first, std::size_t last)
     constexpr std::size_t kMost = RayDirections<Dim>::kMost;
     DirectionTiles<Dim> tiles;
     RayDirections<Dim> directions;
-    std::array<std::uint32_t, kMost> tile;
+    std::array<std::uint32_t, kMost> spot;
     std::array<std::uint16_t, kMost> lastSlice;
     share.kinds.resize(last - first);
     share.ofKind.fill(0);
     for (std::size_t at = first; at < last; at += kMost) {
         const std::size_t n = std::min(kMost, last - at);
-        findDirections(*rays_, at, n, share.state.directory, tiles, tile.data(),
+        findDirections(*rays_, at, n, share.state.directory, tiles, spot.data(),
                        lastSlice.data(), directions);
         for (std::size_t i = 0; i < n; ++i) {
-            const std::uint32_t kind = tiles.kindOf(tile[i]);
+            const std::uint32_t kind = tiles.kindOf(spot[i]);
             share.kinds[at - first + i] = static_cast<std::uint8_t>(kind);
             ++share.ofKind[kind];
         }

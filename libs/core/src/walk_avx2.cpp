@@ -11,6 +11,8 @@
 #define SUPERRAY_TARGET __attribute__((target("avx2")))
 
 #include "lane_types.h"
+//
+#include "open_spots.inc"
 
 namespace superray {
 namespace {
@@ -118,14 +120,16 @@ SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, in
     return out + __builtin_popcount(static_cast<unsigned>(mask));
 }
 
-SUPERRAY_TARGET inline std::uint32_t openRow(Slice* open, const Extent* reach, Extent extent,
-                                             std::int32_t slice, std::int32_t n) {
-    const auto slices = reinterpret_cast<__m128i*>(open);
-    const __m256i before = _mm256_cvtepu16_epi32(_mm_loadu_si128(slices));
-    const __m256i now = _mm256_set1_epi32(slice);
-    unsigned change = static_cast<unsigned>(_mm256_movemask_ps(
-                          _mm256_castsi256_ps(_mm256_cmpgt_epi32(before, now)))) &
-                      ((1u << n) - 1);
+SUPERRAY_TARGET inline std::uint32_t openRow(Opening* open, const Extent* reach, Extent extent,
+                                             std::int32_t slice, std::uint32_t columns,
+                                             std::uint32_t rows) {
+    const __m256i spots = spotsOfRow(columns, rows);
+    const __m256i before = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(open));
+    const __m256i after = joined(before, spots, slice);
+    const __m256i keep = _mm256_or_si256(_mm256_cmpeq_epi32(after, before),
+                                         _mm256_cmpeq_epi32(spots, _mm256_setzero_si256()));
+    unsigned change =
+        ~static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(keep))) & 0xFF;
     if (change == 0) return 0;
     const __m256i all = _mm256_set1_epi64x(static_cast<std::int64_t>(Extent::kAll));
     const __m256i far = _mm256_set1_epi64x(static_cast<std::int64_t>(extent.packed()));
@@ -139,10 +143,11 @@ SUPERRAY_TARGET inline std::uint32_t openRow(Slice* open, const Extent* reach, E
     };
     change &= reached(0) | reached(1) << 4;
     if (change == 0) return 0;
-    const __m256i mixed = select(maskOf(static_cast<int>(change)), now, before);
-    _mm_storeu_si128(slices, _mm_packus_epi32(_mm256_castsi256_si128(mixed),
-                                              _mm256_extracti128_si256(mixed, 1)));
-    return static_cast<std::uint32_t>(__builtin_popcount(change));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(open),
+                        select(maskOf(static_cast<int>(change)), after, before));
+    const auto full =
+        static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(allSpots(after))));
+    return static_cast<std::uint32_t>(__builtin_popcount(change & full));
 }
 SUPERRAY_TARGET inline __m256i gatherInts(const int* base, __m256i indices) {
     return _mm256_i32gather_epi32(base, indices, 4);
@@ -225,11 +230,14 @@ namespace {
 template <int Dim>
 SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const RayEnd* ends,
                                      std::size_t count, std::uint32_t* starts) {
-    const std::uint32_t* const tiles = directions.tile;
+    const std::uint32_t* const spots = directions.spot;
     const Extent* const extents = directions.extent.data();
     const __m256i lone = _mm256_set1_epi32(static_cast<int>(directions.lone));
     const auto load = [](const auto* from) SUPERRAY_TARGET {
         return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+    };
+    const auto tilesFrom = [&](std::size_t at) SUPERRAY_TARGET {
+        return _mm256_srli_epi32(load(spots + at), DirectionTiles<Dim>::kSpotBits);
     };
     const auto equal64 = [&](std::size_t at) SUPERRAY_TARGET {
         return static_cast<unsigned>(_mm256_movemask_pd(_mm256_castsi256_pd(
@@ -239,7 +247,7 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
     starts[0] = 0;
     std::uint32_t* out = starts + 1;
     for (std::size_t i = 1; i < count; i += 8) {
-        const __m256i tile = load(tiles + i);
+        const __m256i tile = tilesFrom(i);
         const std::size_t n = std::min<std::size_t>(8, count - i);
         std::uint64_t end = 0, before = 0;  // there is nothing beyond the last ray to load
         std::memcpy(&end, ends + i, n == 8 ? 8 : n);
@@ -248,7 +256,7 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
             _mm_cmpeq_epi8(_mm_cvtsi64_si128(static_cast<long long>(end)),
                            _mm_cvtsi64_si128(static_cast<long long>(before)));
         const __m256i sameTile = _mm256_andnot_si256(
-            _mm256_cmpeq_epi32(tile, lone), _mm256_cmpeq_epi32(tile, load(tiles + i - 1)));
+            _mm256_cmpeq_epi32(tile, lone), _mm256_cmpeq_epi32(tile, tilesFrom(i - 1)));
         const unsigned same =
             static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(sameTile))) &
             (equal64(i) | equal64(i + 4) << 4) &

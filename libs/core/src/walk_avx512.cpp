@@ -12,6 +12,8 @@
     __attribute__((target("avx2,avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
 
 #include "lane_types.h"
+//
+#include "open_spots.inc"
 
 namespace superray {
 namespace {
@@ -98,22 +100,24 @@ SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, in
     return out + __builtin_popcount(static_cast<unsigned>(mask));
 }
 
-SUPERRAY_TARGET inline std::uint32_t openRow(Slice* open, const Extent* reach, Extent extent,
-                                             std::int32_t slice, std::int32_t n) {
-    const auto slices = reinterpret_cast<__m128i*>(open);
-    const __m256i before = _mm256_cvtepu16_epi32(_mm_loadu_si128(slices));
-    const __m256i now = _mm256_set1_epi32(slice);
-    unsigned change = _mm256_cmpgt_epi32_mask(before, now) & ((1u << n) - 1);
+SUPERRAY_TARGET inline std::uint32_t openRow(Opening* open, const Extent* reach, Extent extent,
+                                             std::int32_t slice, std::uint32_t columns,
+                                             std::uint32_t rows) {
+    const __m256i spots = spotsOfRow(columns, rows);
+    const __m256i before = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(open));
+    const __m256i after = joined(before, spots, slice);
+    __mmask8 change =
+        _mm256_mask_cmpneq_epi32_mask(_mm256_test_epi32_mask(spots, spots), after, before);
     if (change == 0) return 0;
     const __m512i all = _mm512_set1_epi64(static_cast<std::int64_t>(Extent::kAll));
     const __m512i room =
         _mm512_sub_epi64(_mm512_or_si512(_mm512_loadu_si512(reach), all),
                          _mm512_set1_epi64(static_cast<std::int64_t>(extent.packed())));
-    change &= _mm512_cmpeq_epi64_mask(_mm512_and_si512(room, all), all);
-    if (change == 0) return 0;
-    _mm_storeu_si128(slices, _mm256_cvtepi32_epi16(_mm256_mask_blend_epi32(
-                                 static_cast<__mmask8>(change), before, now)));
-    return static_cast<std::uint32_t>(__builtin_popcount(change));
+    change = _mm512_mask_cmpeq_epi64_mask(change, _mm512_and_si512(room, all), all);
+    _mm256_mask_storeu_epi32(open, change, after);
+    const auto full =
+        static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(allSpots(after))));
+    return static_cast<std::uint32_t>(__builtin_popcount(change & full));
 }
 SUPERRAY_TARGET inline __m256i gatherInts(const int* base, __m256i indices) {
     return _mm256_i32gather_epi32(base, indices, 4);
@@ -183,14 +187,18 @@ namespace {
 template <int Dim>
 SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const RayEnd* ends,
                                      std::size_t count, std::uint32_t* starts) {
-    const std::uint32_t* const tiles = directions.tile;
+    const std::uint32_t* const spots = directions.spot;
+    const auto tilesFrom = [&](std::size_t at) SUPERRAY_TARGET {
+        return _mm512_srli_epi32(_mm512_loadu_si512(spots + at),
+                                 DirectionTiles<Dim>::kSpotBits);
+    };
     const Extent* const extents = directions.extent.data();
     const __m512i lone = _mm512_set1_epi32(static_cast<int>(directions.lone));
     __m512i ray = _mm512_setr_epi32(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
     starts[0] = 0;
     std::size_t runs = 1;
     for (std::size_t i = 1; i < count; i += 16) {
-        const __m512i tile = _mm512_loadu_si512(tiles + i);
+        const __m512i tile = tilesFrom(i);
         const auto differing64 = [&](std::size_t at) SUPERRAY_TARGET {
             return static_cast<unsigned>(_mm512_cmpneq_epi64_mask(
                 _mm512_loadu_si512(extents + at), _mm512_loadu_si512(extents + at - 1)));
@@ -204,7 +212,7 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
             return _mm_load_si128(reinterpret_cast<const __m128i*>(some));
         };
         const __m128i same = _mm_cmpeq_epi8(endsFrom(i), endsFrom(i - 1));
-        unsigned fresh = _mm512_cmpneq_epi32_mask(tile, _mm512_loadu_si512(tiles + i - 1)) |
+        unsigned fresh = _mm512_cmpneq_epi32_mask(tile, tilesFrom(i - 1)) |
                          _mm512_cmpeq_epi32_mask(tile, lone) | differing64(i) |
                          differing64(i + 8) << 8 |
                          (~static_cast<unsigned>(_mm_movemask_epi8(same)) & 0xFFFF);
@@ -217,22 +225,25 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
     return runs;
 }
 
-SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* tile,
+SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* spot,
                                        const std::uint16_t* lastSlice, std::size_t count,
-                                       const std::uint16_t* firstOpen, std::uint32_t* chosen) {
+                                       const Opening* openings, std::uint32_t* chosen) {
+    constexpr int kSpotBits = DirectionTiles<3>::kSpotBits;
     __m512i ray = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     std::size_t n = 0;
     for (std::size_t i = 0; i < count; i += 16) {
         const auto asked =
             static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xFFFFu);
-        const __m512i open =
-            _mm512_and_si512(_mm512_mask_i32gather_epi32(
-                                 _mm512_setzero_si512(), asked,
-                                 _mm512_maskz_loadu_epi32(asked, tile + i), firstOpen, 2),
-                             _mm512_set1_epi32(0xFFFF));
+        const __m512i at = _mm512_maskz_loadu_epi32(asked, spot + i);
+        const __m512i opening = _mm512_mask_i32gather_epi32(
+            _mm512_setzero_si512(), asked, _mm512_srli_epi32(at, kSpotBits), openings, 4);
+        const __m512i inTile = _mm512_and_si512(at, _mm512_set1_epi32(Opening::kSpots - 1));
+        const __mmask16 open = _mm512_mask_test_epi32_mask(
+            asked, _mm512_srlv_epi32(opening, inTile), _mm512_set1_epi32(1));
+        const __m512i first = _mm512_srli_epi32(opening, Opening::kSpots);
         const __m512i last = _mm512_cvtepu16_epi32(
             _mm256_loadu_si256(reinterpret_cast<const __m256i*>(lastSlice + i)));
-        const __mmask16 mask = _mm512_mask_cmple_epi32_mask(asked, open, last);
+        const __mmask16 mask = _mm512_mask_cmple_epi32_mask(open, first, last);
         _mm512_storeu_si512(chosen + n, _mm512_maskz_compress_epi32(mask, ray));
         n += static_cast<std::size_t>(__builtin_popcount(mask));
         ray = _mm512_add_epi32(ray, _mm512_set1_epi32(16));

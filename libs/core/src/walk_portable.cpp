@@ -11,13 +11,15 @@ namespace superray {
 namespace {
 namespace simd {
 
-inline std::uint32_t openRow(Slice* open, const Extent* reach, Extent extent,
-                             std::int32_t slice, std::int32_t n) {
+inline std::uint32_t openRow(Opening* open, const Extent* reach, Extent extent,
+                             std::int32_t slice, std::uint32_t columns, std::uint32_t rows) {
     std::uint32_t changed = 0;
-    for (std::int32_t i = 0; i < n; ++i) {
-        if (slice >= open[i] || !extent.within(reach[i])) continue;
-        open[i] = static_cast<Slice>(slice);
-        ++changed;
+    for (; columns != 0; columns >>= 4, ++open, ++reach) {
+        const Opening now =
+            open->joined(Opening::of(static_cast<Slice>(slice), (columns & 15) * rows));
+        if (now.word == open->word || !extent.within(*reach)) continue;
+        *open = now;
+        changed += now.spots() == Opening::kAllSpots;
     }
     return changed;
 }
