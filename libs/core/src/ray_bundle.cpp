@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "scratch_array.h"
 #include "walk_kernel.h"
 
 namespace superray {
@@ -30,10 +31,11 @@ Coordinates<Scalar>::Coordinates(const Coordinates& o) {
 template <typename Scalar>
 void Coordinates<Scalar>::reserve(std::size_t n) {
     if (n <= capacity_) return;
-    std::unique_ptr<Scalar[]> larger(new Scalar[n]);
+    const std::size_t capacity = withRoomForMore(n);
+    std::unique_ptr<Scalar[]> larger(new Scalar[capacity]);
     std::copy_n(values_.get(), size_, larger.get());
     values_ = std::move(larger);
-    capacity_ = n;
+    capacity_ = capacity;
 }
 
 template <int Dim>
@@ -68,7 +70,7 @@ void RayBundle<Dim>::reserve(std::size_t n) {
     visitKept([&](auto& ends) {
         for (auto& c : ends) c.reserve(n);
     });
-    kinds_.reserve(n);
+    if (n > kinds_.capacity()) kinds_.reserve(withRoomForMore(n));
 }
 
 template <int Dim>

@@ -7,6 +7,12 @@
 
 namespace superray {
 
+/// What to allocate for the n values of one scan, so that the next ones, which may be
+/// somewhat larger, need no fresh memory, whose first touch takes longer than many a scan.
+constexpr std::size_t withRoomForMore(std::size_t n) {
+    return n + n / 4;
+}
+
 /// An array that is not initialised and does not keep its contents when it grows: what
 /// is never written takes no memory.
 template <typename T>
@@ -17,8 +23,10 @@ class ScratchArray {
     /// Room for at least `n`; what was there is lost.
     void reserve(std::size_t n) {
         if (n <= capacity_) return;
-        values_.reset(new T[n]);
-        capacity_ = n;
+        values_.reset();
+        capacity_ = 0;
+        values_.reset(new T[withRoomForMore(n)]);
+        capacity_ = withRoomForMore(n);
     }
     T* data() { return values_.get(); }
     const T* data() const { return values_.get(); }
