@@ -50,7 +50,7 @@ void HorizonWalk<Dim>::begin(const RayBundle<Dim>& rays, const SaturationSource<
     culled_ = 0;
     origin_ = RayLine<Dim>::unitsOf(rays.geometry(), rays.commonOrigin());
     for (std::uint32_t kind = 0; kind < waiting_.size(); ++kind)
-        waiting_[kind].kind = ending_[kind].kind = kind;
+        for (RayLanes& lanes : waiting_[kind]) lanes.kind = kind;
 }
 
 template <int Dim>
@@ -150,19 +150,23 @@ void HorizonWalk<Dim>::walkChosen(const HorizonWalk& owner, ListPiece piece) {
             walkAlone(owner.first_ + ray);
             continue;
         }
-        const bool ends = from > 0 && owner.lastSlice_[ray] - from < kFewSlices;
-        RayLanes& lanes = (ends ? ending_ : waiting_)[owner.tiles_.kindOf(spot)];
+        // Not a branch: one of two rays surprises.
+        const auto few = static_cast<std::size_t>(from > 0) &
+                         static_cast<std::size_t>(owner.lastSlice_[ray] - from < kFewSlices);
+        RayLanes& lanes = waiting_[owner.tiles_.kindOf(spot)][few];
         lanes.ray[lanes.count] = static_cast<std::uint32_t>(owner.first_) + ray;
         lanes.from[lanes.count] = from;
-        if (++lanes.count == 8) walkLanes(lanes, ends ? kernels_.walkEnds : kernels_.walkRays);
+        if (++lanes.count == 8) walkLanes(lanes, few ? kernels_.walkEnds : kernels_.walkRays);
     }
 }
 
 /// Walks the rays that wait for others of their kind.
 template <int Dim>
 void HorizonWalk<Dim>::walkWaiting() {
-    for (RayLanes& lanes : waiting_) walkLanes(lanes, kernels_.walkRays);
-    for (RayLanes& lanes : ending_) walkLanes(lanes, kernels_.walkEnds);
+    for (auto& [many, few] : waiting_) {
+        walkLanes(many, kernels_.walkRays);
+        walkLanes(few, kernels_.walkEnds);
+    }
     state_->flush(1);
 }
 

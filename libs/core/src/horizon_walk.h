@@ -73,8 +73,8 @@ class HorizonWalk {
     std::unique_ptr<SharedList> list_ = std::make_unique<SharedList>();
     Horizon<Dim> horizon_;
     SettledRegion<Dim> region_;
-    // Per kind: rays with many, with few slices left.
-    std::array<RayLanes, DirectionTiles<Dim>::kKinds> waiting_, ending_;
+    // Rays that wait for others, per kind: those with many, with few slices left.
+    std::array<std::array<RayLanes, 2>, DirectionTiles<Dim>::kKinds> waiting_;
     std::uint64_t culled_ = 0;
 };
 
