@@ -67,13 +67,13 @@ void HorizonWalk<Dim>::walk(std::size_t first, std::size_t last) {
     region_.reset(state_->directory.box());
     lookAround(count);
     culled_ += count;
-    if (static_cast<double>(count) <= kDense * static_cast<double>(horizon_.tilesWithRays())) {
-        walkLast(count);
-        return;
+    const bool dense =
+        static_cast<double>(count) > kDense * static_cast<double>(horizon_.tilesWithRays());
+    if (dense && worthLooking(count)) {
+        // What the sample saturates, the others are spared.
+        walkSample(count);
+        if (worthLooking(count)) lookAround(count);
     }
-    // What the sample saturates, the others are spared.
-    walkSample(count);
-    if (slicesLeft(count) > kWorthIt * static_cast<double>(region_.work())) lookAround(count);
     walkLast(count);
 }
 
@@ -97,14 +97,15 @@ void HorizonWalk<Dim>::findDirections(std::size_t count) {
     }
 }
 
-/// Slices of rays in which there may be something to tell, by some of the rays.
+/// Whether looking around again may save more than it takes: by some of the rays, as
+/// there are many slices in which they may have something to tell.
 template <int Dim>
-double HorizonWalk<Dim>::slicesLeft(std::size_t count) const {
+bool HorizonWalk<Dim>::worthLooking(std::size_t count) const {
     constexpr std::size_t kEach = 37;
     double slices = 0;
     for (std::size_t i = 0; i < count; i += kEach)
         slices += std::max(0, lastSlice_[i] + 1 - horizon_.firstOpen(spot_[i]));
-    return slices * kEach;
+    return slices * kEach > kWorthIt * static_cast<double>(region_.work());
 }
 
 /// Walks those of a few rays that have something to tell.

@@ -47,7 +47,7 @@ class HorizonWalk {
     template <Branches branches>
     std::size_t countInTurns(std::size_t at, std::size_t runs);
     void lookAround(std::size_t count);
-    double slicesLeft(std::size_t count) const;
+    bool worthLooking(std::size_t count) const;
     void walkSample(std::size_t count);
     void walkLast(std::size_t count);
     void walkChosen(const HorizonWalk& owner, ListPiece piece);
