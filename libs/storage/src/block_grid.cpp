@@ -70,18 +70,34 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
     for (std::size_t first = 0; first < batch.blockCount(); first += step) {
         const std::size_t last = std::min(batch.blockCount(), first + step);
         impl_->pending.resize(last - first);
-        const auto forShare = [&](std::size_t share, const auto& work) {
+        // Calls each work for some blocks, then the next one for them.
+        const auto forShare = [&](std::size_t share, const auto&... works) {
             const std::size_t n = last - first;
             const std::size_t end = shareBegin(n, share + 1, shares);
-            for (std::size_t i = shareBegin(n, share, shares); i < end; ++i)
-                work(impl_->pending[i], first + i);
+            for (std::size_t i = shareBegin(n, share, shares); i < end; i += kBlocksAtOnce) {
+                const std::size_t some = std::min(end, i + kBlocksAtOnce);
+                const auto forSome = [&](const auto& work) {
+                    for (std::size_t j = i; j < some; ++j) work(impl_->pending[j], first + j);
+                };
+                (forSome(works), ...);
+            }
         };
         inParallel(shares, [&](std::size_t share) {
-            forShare(share, [&](Pending<Dim>& p, std::size_t b) {
-                fold.touchedCells(Payload<Dim>::kLayers, batch.misses(b), batch.hits(b),
-                                  p.touched.words.data());
-                p.found = impl_->findFor(p, batch.key(b), batch.hits(b) != nullptr);
-            });
+            // What is needed of a block arrives while others are looked up.
+            forShare(
+                share,
+                [&](Pending<Dim>& p, std::size_t b) {
+                    p.block = impl_->find(batch.key(b));
+                    if (p.block != nullptr) __builtin_prefetch(p.block);
+                },
+                [&](Pending<Dim>& p, std::size_t) {
+                    if (p.block != nullptr) impl_->fetch(*p.block);
+                },
+                [&](Pending<Dim>& p, std::size_t b) {
+                    fold.touchedCells(Payload<Dim>::kLayers, batch.misses(b), batch.hits(b),
+                                      p.touched.words.data());
+                    p.found = impl_->findFor(p, batch.hits(b) != nullptr);
+                });
         });
         std::size_t b = first;
         try {

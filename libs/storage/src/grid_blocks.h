@@ -30,10 +30,20 @@ struct alignas(64) Payload {
     std::array<std::uint32_t, kLayers> layers;
 };
 
+inline constexpr std::uint32_t kUniform = ~std::uint32_t{0};
+
+/// A block is uniform (all cells known, one value) or has a payload.
+struct Block {
+    std::uint32_t payload = kUniform;
+    float highest = 0;  ///< the one value; else no cell has log-odds above it
+};
+inline constexpr float kAnyLogOdds = std::numeric_limits<float>::infinity();
+
 /// A block of a batch on its way into the map.
 template <int Dim>
 struct Pending {
     BlockMask<Dim> touched;
+    Block* block;           ///< until blocks are made
     Payload<Dim>* payload;  ///< nullptr: nothing to do
     std::array<float*, Payload<Dim>::kLayers> values;
     std::uint32_t fresh;  ///< bit z: layer z is new and its values unspecified
@@ -46,15 +56,6 @@ struct Pending {
             if (fresh >> z & 1) std::fill_n(values[z], 64, 0.0f);
     }
 };
-
-inline constexpr std::uint32_t kUniform = ~std::uint32_t{0};
-
-/// A block is uniform (all cells known, one value) or has a payload.
-struct Block {
-    std::uint32_t payload = kUniform;
-    float highest = 0;  ///< the one value; else no cell has log-odds above it
-};
-inline constexpr float kAnyLogOdds = std::numeric_limits<float>::infinity();
 
 /// All blocks of a grid.
 template <int Dim>
@@ -146,14 +147,22 @@ struct Blocks {
         });
     }
 
+    /// Asks the memory for what findFor() will read of a block.
+    void fetch(const Block& block) const {
+        if (block.payload == kUniform) return;
+        const auto* const payload = reinterpret_cast<const char*>(&payloads[block.payload]);
+        for (std::size_t at = 0; at < sizeof(Payload<Dim>); at += 64)
+            __builtin_prefetch(payload + at);
+    }
+
     /// Finds what the touched cells of a block need. Makes nothing, so threads may do
-    /// this at once. \pre p.touched is set
+    /// this at once. \pre p.touched is set; p.block is the map's, or nullptr
     /// \return false if something is missing
-    bool findFor(Pending<Dim>& p, const BlockKey<Dim>& key, bool hit) {
+    bool findFor(Pending<Dim>& p, bool hit) {
         p.payload = nullptr;
         p.fresh = 0;
         if (!p.touched.any()) return true;
-        Block* const block = find(key);
+        Block* const block = p.block;
         if (block == nullptr) return false;
         if (block->payload == kUniform)  // saturated free: misses change nothing
             return clamp.isAt(block->highest) && !hit;
