@@ -67,7 +67,7 @@ struct RayDirections {
     static constexpr float kGreatestLength = 65000;
     static constexpr float kLeastExtent = 1.0f / (1 << 24);
     static constexpr float kCertain = 1 - 1.0f / (1 << 19);  ///< slopes below are minor
-    /// Tiles are those of slopes in single precision, off the exact ones by less.
+    /// Spots are those of slopes in single precision, off the exact ones by less.
     static constexpr double kSlopeMargin = 1.0 / (1 << 20);
 
     const std::uint32_t* spot;                  ///< per ray; of lone rays: the first one
