@@ -8,16 +8,15 @@
 
 namespace superray {
 
-/// A system may have no huge page at hand: it moves other memory out of the way first,
-/// which takes longer than all the small pages would. Then small ones are used for a
-/// while, and for longer each time it happens again.
+/// A system may have no huge page at hand: it moves other memory out of the way
+/// first, or the host of a virtual machine must provide what the guest had given
+/// back. That takes milliseconds, more than all the small pages would. Then small
+/// ones are used for a while, and for longer each time it happens again.
 class HugePageSupply {
  public:
     using Clock = std::chrono::steady_clock;
-    /// A huge page at hand takes 0.05 to 0.3 ms, the 512 small ones 0.1 to 1.6 ms. If the
-    /// host of a virtual machine must provide memory that the guest had given back, a huge
-    /// page takes about 4 ms, and small ones from the same memory 5.6 ms.
-    static constexpr std::chrono::milliseconds kSlow{8};
+    /// The 512 small pages take 0.1 to 0.8 ms, a huge one at hand 0.05 to 0.2 ms.
+    static constexpr std::chrono::milliseconds kSlow{1};
     /// Even where it happens every time, little is lost.
     static constexpr std::chrono::seconds kFirstPause{10}, kLongestPause{640};
 
