@@ -231,6 +231,51 @@ TYPED_TEST(HorizonOf, AnOpenCellIsNotedInTheSpotsOfAllItsRays) {
     EXPECT_LT(noted, tiles / 2);
 }
 
+// What is behind open cells is not looked at where all rays are walked from there on, but
+// it is where some of a tile's spots are not open.
+TEST(Horizon, ATileThatIsOpenInSomeSpotsHidesNothing) {
+    constexpr int kLevels = 6, kPerAxis = 128, kLength = 100, kPlane = 60;
+    const Point<3> origin = Point<3>::Constant(0.5);
+    RayBundle<3> scan(CellGeometry<3>(1.0), origin);
+    for (int i = 0; i < kPerAxis; ++i)
+        for (int j = 0; j < kPerAxis; ++j) {
+            const double a = (i + 0.3) / kPerAxis, b = (j + 0.6) / kPerAxis;
+            scan.add(origin + kLength * Point<3>(a, b, 1));
+            scan.add(origin + kLength * Point<3>(1, a, b));
+        }
+    ASSERT_EQ(scan.size(), 2u * kPerAxis * kPerAxis);
+    const ScanDirections<3> d = directionsOf(scan, kLevels);
+    Horizon<3> horizon = horizonOf(scan, d);
+    horizon.clear();
+    const BlockKey<3> behind{11, 3, 3};
+    ASSERT_TRUE(horizon.reaches(behind));
+    // Every other column of a plane across the rays along z, all of one across those along x.
+    BlockMask<3> columns, all;
+    constexpr int kAt = kPlane % kBlockEdge;
+    for (int i = 0; i < kBlockEdge; ++i)
+        for (int j = 0; j < kBlockEdge; ++j) {
+            if (i % 2 == 0) columns.set(indexInBlock<3>({i, j, kAt}));
+            all.set(indexInBlock<3>({kAt, i, j}));
+        }
+    constexpr int kBlock = kPlane / kBlockEdge;
+    for (int i = 0; i <= kBlock; ++i)
+        for (int j = 0; j <= kBlock; ++j) horizon.open({i, j, kBlock}, columns);
+    for (int i = 0; i <= kBlock; ++i)
+        for (int j = 0; j <= kBlock; ++j) horizon.open({kBlock, i, j}, all);
+    EXPECT_FALSE(horizon.reaches(behind));  // so there were enough to take notice
+    horizon.completeOpen();
+    int free = 0;
+    for (std::size_t i = 0; i < scan.size(); i += 2) {
+        if (horizon.firstOpen(d.spot[i]) != Horizon<3>::kNever) continue;
+        ++free;
+        forEachFreeCell(lineOf(scan, i), [&](const Cell<3>& cell) {
+            ASSERT_TRUE(horizon.reaches(blockOf<3>(cell))) << i;
+        });
+        if (::testing::Test::HasFatalFailure()) return;
+    }
+    EXPECT_GT(free, 1000);
+}
+
 /// Walks two thirds of the rays, looks around and checks what is skipped.
 template <int Dim>
 void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
