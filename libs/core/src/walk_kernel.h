@@ -10,6 +10,7 @@
 #include "horizon_view.h"
 #include "point_kernels.h"
 #include "ray_directions.h"
+#include "surprise.h"
 
 #include <algorithm>
 #include <cstring>
@@ -141,10 +142,15 @@ struct WalkState {
         traversed += addresses.size();
         const std::uint32_t* const end = addresses.end();
         if (weight == 1) {
-            for (const std::uint32_t* a = addresses.begin(); a != end; ++a) {
-                const unsigned c = counts[*a];
-                counts[*a] = static_cast<std::uint8_t>(c + (c != 255));
-            }
+            // Rays side by side visit the same cells one after the other.
+            const std::uint32_t* const at = addresses.begin();
+            inTurns(addresses.size(), [&](std::size_t, std::size_t i) {
+                std::uint8_t& count = counts[at[i]];
+                std::uint8_t more;
+                // Two instructions: the carry is taken off again.
+                const bool carry = __builtin_add_overflow(count, std::uint8_t{1}, &more);
+                count = static_cast<std::uint8_t>(more - carry);
+            });
         } else {
             for (const std::uint32_t* a = addresses.begin(); a != end; ++a)
                 counts[*a] = saturatingAdd(counts[*a], weight);

@@ -10,6 +10,7 @@ namespace superray {
 namespace {
 
 using grid::Block;
+using grid::kAbsent;
 using grid::kUniform;
 using grid::Payload;
 using grid::Pending;
@@ -23,7 +24,13 @@ constexpr std::size_t kBlocksOfThreads = 1 << 14;
 
 template <int Dim>
 struct BlockGrid<Dim>::Impl : grid::Blocks<Dim> {
-    std::vector<Pending<Dim>> pending;  // scratch of apply()
+    // Scratch of apply():
+    std::vector<Pending<Dim>> pending;
+    /// Numbers of blocks that a share has left to do for one thread.
+    struct Left {
+        std::vector<std::size_t> toMake, toCollapse;
+    };
+    std::vector<Left> left;
 };
 
 template <int Dim>
@@ -66,6 +73,8 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
         1, std::min<std::size_t>(threads, batch.blockCount() / kBlocksPerShare));
     // Blocks and layers are made by one thread, some blocks ahead of the
     // folding, so that what it has just made is still in the cache.
+    std::vector<typename Impl::Left>& left = impl_->left;
+    left.resize(std::max(shares, left.size()));
     const std::size_t step = shares == 1 ? kBlocksAtOnce : kBlocksOfThreads;
     for (std::size_t first = 0; first < batch.blockCount(); first += step) {
         const std::size_t last = std::min(batch.blockCount(), first + step);
@@ -83,47 +92,49 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
             }
         };
         inParallel(shares, [&](std::size_t share) {
+            left[share].toMake.clear();
+            left[share].toCollapse.reserve((last - first) / shares + 1);  // may throw now only
             // What is needed of a block arrives while others are looked up.
             forShare(
                 share,
                 [&](Pending<Dim>& p, std::size_t b) {
-                    p.block = impl_->find(batch.key(b));
-                    if (p.block != nullptr) __builtin_prefetch(p.block);
+                    p.place = impl_->table.find(batch.key(b));
+                    if (p.place != impl_->table.kNowhere)
+                        __builtin_prefetch(&impl_->table[p.place]);
                 },
-                [&](Pending<Dim>& p, std::size_t) {
-                    if (p.block != nullptr) impl_->fetch(*p.block);
-                },
+                [&](Pending<Dim>& p, std::size_t) { impl_->fetch(p.place); },
                 [&](Pending<Dim>& p, std::size_t b) {
                     fold.touchedCells(Payload<Dim>::kLayers, batch.misses(b), batch.hits(b),
                                       p.touched.words.data());
-                    p.found = impl_->findFor(p, batch.hits(b) != nullptr);
+                    if (!impl_->findFor(p, batch.hits(b) != nullptr))
+                        left[share].toMake.push_back(b);
                 });
         });
-        std::size_t b = first;
         try {
-            for (; b < last; ++b)
-                if (Pending<Dim>& p = impl_->pending[b - first]; !p.found)
-                    impl_->makeFor(p, batch.key(b), batch.hits(b) != nullptr);
+            for (std::size_t share = 0; share < shares; ++share)
+                for (const std::size_t b : left[share].toMake)
+                    impl_->makeFor(impl_->pending[b - first], batch.key(b),
+                                   batch.hits(b) != nullptr);
         } catch (...) {
-            for (std::size_t made = first; made <= b; ++made)
-                impl_->pending[made - first].clear();
+            for (Pending<Dim>& p : impl_->pending) p.fillIn();
             throw;
         }
         inParallel(shares, [&](std::size_t share) {
+            left[share].toCollapse.clear();
             forShare(share, [&](Pending<Dim>& p, std::size_t block) {
                 if (p.payload == nullptr) return;
-                p.clear();
+                p.fillIn();
                 fold.foldCounts(
                     foldModel,
                     {Payload<Dim>::kLayers, p.values.data(), p.touched.words.data(),
                      p.payload->known.words.data(), p.payload->saturated.words.data()},
                     batch.misses(block), batch.hits(block));
-                p.uniform = impl_->isUniform(*p.payload);
+                if (impl_->isUniform(*p.payload)) left[share].toCollapse.push_back(block);
             });
         });
-        for (b = first; b < last; ++b)
-            if (const Pending<Dim>& p = impl_->pending[b - first]; p.payload && p.uniform)
-                impl_->collapse(*impl_->find(batch.key(b)));
+        for (std::size_t share = 0; share < shares; ++share)
+            for (const std::size_t b : left[share].toCollapse)
+                impl_->collapse(impl_->table[impl_->pending[b - first].place]);
     }
 }
 
@@ -164,8 +175,8 @@ void BlockGrid<Dim>::setBlock(const BlockView<Dim>& view) {
 template <int Dim>
 void BlockGrid<Dim>::forEachBlock(const typename OccupancyMap<Dim>::BlockVisitor& visit) const {
     std::array<float, kBlockCells<Dim>> values{};
-    impl_->table.forEach([&](const BlockKey<Dim>& key, std::uint32_t slot) {
-        impl_->visit(key, impl_->blocks[slot], values, visit);
+    impl_->table.forEach([&](const BlockKey<Dim>& key, const Block& block) {
+        if (block.payload != kAbsent) impl_->visit(key, block, values, visit);
     });
 }
 
@@ -186,13 +197,12 @@ void BlockGrid<Dim>::clear() {
 
 template <int Dim>
 bool BlockGrid<Dim>::empty() const {
-    return impl_->blocks.empty();
+    return impl_->count == 0;
 }
 
 template <int Dim>
 std::size_t BlockGrid<Dim>::memoryBytes() const {
-    return sizeof(Impl) + impl_->table.memoryBytes() +
-           impl_->blocks.capacity() * sizeof(Block) + impl_->payloads.memoryBytes() +
+    return sizeof(Impl) + impl_->table.memoryBytes() + impl_->payloads.memoryBytes() +
            impl_->layers.memoryBytes();
 }
 

@@ -1,68 +1,63 @@
 #pragma once
 /// \file block_table.h
-/// Table from block key to a slot number: pages of neighbouring blocks, hashed.
+/// Table from block key to a small value: pages of neighbouring blocks, hashed.
 
 #include "value_rules.h"
 
-#include <stdexcept>
 #include <vector>
 
 namespace superray {
 
 /// Scans ask for neighbouring blocks, so these are kept in one page of 64, a few
-/// cache lines. Pages are found by open addressing with linear probing. Entries
-/// are never removed one by one.
-template <int Dim>
+/// cache lines. Pages are found by open addressing with linear probing. A page has values
+/// of all its blocks, default ones of those that nobody has set.
+template <int Dim, typename Value>
 class BlockTable {
  public:
-    static constexpr std::uint32_t kNone = ~std::uint32_t{0};  ///< "no such entry"
-    static constexpr std::uint32_t kMaxSlot = kNone - 1;
+    /// Where a value is. Stays the same, while references are good until a page is made.
+    using Place = std::size_t;
+    static constexpr Place kNowhere = ~Place{0};
 
-    std::size_t size() const { return size_; }
     std::size_t memoryBytes() const {
-        return pages_.capacity() * sizeof(Entry) + slots_.capacity() * sizeof(slots_[0]);
+        return pages_.capacity() * sizeof(Entry) + values_.capacity() * sizeof(Value);
     }
 
     void clear() { *this = BlockTable(); }
 
-    /// Slot of a key, or kNone (also for keys out of the addressable range).
-    std::uint32_t find(const BlockKey<Dim>& key) const {
-        if (size_ == 0 || !isAddressable(key, kBlockLimit)) return kNone;
+    /// Where the value of a key is; kNowhere if there is no page with it (also for keys
+    /// out of the addressable range).
+    Place find(const BlockKey<Dim>& key) const {
+        if (pages_.empty() || !isAddressable(key, kBlockLimit)) return kNowhere;
         const Entry& page = pages_[position(pageOf(key))];
-        return page.key == kFree ? kNone : slots_[slotIndex(page, key)];
+        return page.key == kFree ? kNowhere : placeIn(page, key);
     }
 
-    /// Slot of a key, which gets `slot` if it has none.
-    /// \pre the key is addressable
-    /// \throws std::length_error if slot > kMaxSlot
-    std::uint32_t findOrInsert(const BlockKey<Dim>& key, std::uint32_t slot) {
+    /// The same, but a page that is missing is made. \pre the key is addressable
+    Place findOrMake(const BlockKey<Dim>& key) {
         if (4 * (pageCount() + 1) > 3 * pages_.size()) grow();
         Entry& page = pages_[position(pageOf(key))];
         if (page.key == kFree) {
             const std::size_t number = pageCount();
-            slots_.resize(slots_.size() + kPageBlocks, kNone);
+            values_.resize(values_.size() + kPageBlocks);
             page = {pageOf(key), static_cast<std::uint32_t>(number)};
         }
-        std::uint32_t& found = slots_[slotIndex(page, key)];
-        if (found != kNone) return found;
-        if (slot > kMaxSlot) throw std::length_error("a map holds at most 2^32 - 1 blocks");
-        found = slot;
-        ++size_;
-        return slot;
+        return placeIn(page, key);
     }
 
-    /// visit(key, slot) for every entry, in unspecified order.
+    Value& operator[](Place place) { return values_[place]; }
+    const Value& operator[](Place place) const { return values_[place]; }
+
+    /// visit(key, value) for every value of every page, in unspecified order.
     template <typename Visit>
     void forEach(Visit&& visit) const {
         for (const Entry& page : pages_) {
             if (page.key == kFree) continue;
             for (std::uint32_t i = 0; i < kPageBlocks; ++i)
-                if (const std::uint32_t slot =
-                        slots_[page.number * std::size_t{kPageBlocks} + i];
-                    slot != kNone)
-                    visit(keyOf(page.key, i), slot);
+                visit(keyOf(page.key, i), values_[page.number * Place{kPageBlocks} + i]);
         }
     }
+    /// All of them, without keys.
+    std::vector<Value>& values() { return values_; }
 
  private:
     static constexpr int kPageBits = 6 / Dim;  // blocks per axis and page: 4 (in 2D, 8)
@@ -76,7 +71,7 @@ class BlockTable {
         std::uint32_t number = 0;
     };
 
-    std::size_t pageCount() const { return slots_.size() / kPageBlocks; }
+    std::size_t pageCount() const { return values_.size() / kPageBlocks; }
 
     static std::uint64_t pageOf(const BlockKey<Dim>& key) {
         std::uint64_t p = 0;
@@ -85,8 +80,8 @@ class BlockTable {
                 static_cast<std::uint32_t>(key[a] + kBlockLimit) >> kPageBits;
         return p;
     }
-    static std::size_t slotIndex(const Entry& page, const BlockKey<Dim>& key) {
-        std::size_t i = page.number;
+    static Place placeIn(const Entry& page, const BlockKey<Dim>& key) {
+        Place i = page.number;
         for (int a = Dim - 1; a >= 0; --a)
             i = (i << kPageBits) |
                 (static_cast<std::uint32_t>(key[a]) & ((1u << kPageBits) - 1));
@@ -122,8 +117,7 @@ class BlockTable {
     }
 
     std::vector<Entry> pages_;  // size 0 or a power of two
-    std::vector<std::uint32_t> slots_;
-    std::size_t size_ = 0;
+    std::vector<Value> values_;
 };
 
 }  // namespace superray

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <memory>
+#include <new>
 #include <type_traits>
 #include <vector>
 
@@ -19,10 +21,9 @@ class ChunkedPool {
  public:
     ChunkedPool() = default;
     ChunkedPool(const ChunkedPool& o) : free_(o.free_), used_(o.used_) {
-        for (const auto& chunk : o.chunks_) {
-            addChunk();
-            std::copy_n(chunk.get(), kChunk, chunks_.back().get());
-        }
+        while (chunks_.size() < o.chunks_.size()) addSlab(o.chunks_.size() - chunks_.size());
+        for (std::size_t i = 0; i * kChunk < used_; ++i)
+            std::memcpy(chunks_[i], o.chunks_[i], kChunk * sizeof(T));
     }
     ChunkedPool(ChunkedPool&&) noexcept = default;
     ChunkedPool& operator=(ChunkedPool&&) noexcept = default;
@@ -37,12 +38,14 @@ class ChunkedPool {
             free_.pop_back();
             return i;
         }
-        if (used_ == chunks_.size() * kChunk) addChunk();
+        if (used_ == chunks_.size() * kChunk)
+            addSlab(std::clamp<std::size_t>(chunks_.size() / kSpare, 1, kMostChunks));
         return used_++;
     }
     void release(std::uint32_t i) { free_.push_back(i); }
 
     void clear() {
+        slabs_.clear();
         chunks_.clear();
         free_.clear();
         used_ = 0;
@@ -50,13 +53,33 @@ class ChunkedPool {
 
     std::size_t memoryBytes() const {
         return chunks_.size() * kChunk * sizeof(T) + chunks_.capacity() * sizeof(chunks_[0]) +
-               free_.capacity() * sizeof(free_[0]);
+               slabs_.capacity() * sizeof(slabs_[0]) + free_.capacity() * sizeof(free_[0]);
     }
 
  private:
-    void addChunk() { chunks_.emplace_back(new T[kChunk]); }
+    /// Chunks are allocated several at once: a small request to the allocator costs a page
+    /// fault. Nobody touches them until an object is filled in, which one of several
+    /// threads may do.
+    struct Slab {
+        static constexpr std::align_val_t kAlignment{alignof(T)};
+        struct Delete {
+            void operator()(T* memory) const { ::operator delete(memory, kAlignment); }
+        };
+        std::unique_ptr<T, Delete> memory;
+        explicit Slab(std::size_t chunks)
+            : memory(static_cast<T*>(::operator new(chunks* kChunk * sizeof(T), kAlignment))) {}
+    };
+    static constexpr std::size_t kMostChunks = 64;  ///< in a slab
+    static constexpr std::size_t kSpare = 128;      ///< of so many chunks, one may be unused
 
-    std::vector<std::unique_ptr<T[]>> chunks_;
+    void addSlab(std::size_t chunks) {
+        slabs_.emplace_back(chunks);
+        for (std::size_t i = 0; i < chunks; ++i)
+            chunks_.push_back(slabs_.back().memory.get() + i * kChunk);
+    }
+
+    std::vector<Slab> slabs_;
+    std::vector<T*> chunks_;
     std::vector<std::uint32_t> free_;
     std::uint32_t used_ = 0;
 };

@@ -30,11 +30,13 @@ struct alignas(64) Payload {
     std::array<std::uint32_t, kLayers> layers;
 };
 
-inline constexpr std::uint32_t kUniform = ~std::uint32_t{0};
+inline constexpr std::uint32_t kAbsent = ~std::uint32_t{0};
+inline constexpr std::uint32_t kUniform = kAbsent - 1;
 
-/// A block is uniform (all cells known, one value) or has a payload.
+/// A block is absent (no known cells), uniform (all cells known, one value) or has a
+/// payload.
 struct Block {
-    std::uint32_t payload = kUniform;
+    std::uint32_t payload = kAbsent;
     float highest = 0;  ///< the one value; else no cell has log-odds above it
 };
 inline constexpr float kAnyLogOdds = std::numeric_limits<float>::infinity();
@@ -42,51 +44,61 @@ inline constexpr float kAnyLogOdds = std::numeric_limits<float>::infinity();
 /// A block of a batch on its way into the map.
 template <int Dim>
 struct Pending {
-    BlockMask<Dim> touched;
-    Block* block;           ///< until blocks are made
-    Payload<Dim>* payload;  ///< nullptr: nothing to do
-    std::array<float*, Payload<Dim>::kLayers> values;
-    std::uint32_t fresh;  ///< bit z: layer z is new and its values unspecified
-    bool found;           ///< the map had all that is needed
-    bool uniform;
+    static constexpr int kLayers = Payload<Dim>::kLayers;
 
-    /// Makes all cells of new layers 0, as unknown ones are.
-    void clear() {
-        for (int z = 0; payload != nullptr && z < Payload<Dim>::kLayers; ++z)
-            if (fresh >> z & 1) std::fill_n(values[z], 64, 0.0f);
+    BlockMask<Dim> touched;
+    typename BlockTable<Dim, Block>::Place place;  ///< may be nowhere until blocks are made
+    Payload<Dim>* payload;                         ///< nullptr: nothing to do
+    std::array<float*, kLayers> values;            ///< of touched layers
+    std::array<std::uint32_t, kLayers> made;       ///< numbers of new layers
+    std::uint32_t fresh;  ///< bit z: layer z is new, its values unspecified
+    bool freshPayload;    ///< the payload is new, its contents unspecified
+
+    /// Fills in what is new: no cell is known. Threads may do this at once.
+    void fillIn() {
+        if (payload == nullptr) return;
+        if (freshPayload) *payload = Payload<Dim>{};
+        for (std::uint32_t left = fresh; left != 0; left &= left - 1) {
+            const int z = __builtin_ctz(left);
+            payload->layers[z] = made[z];
+            std::fill_n(values[z], 64, 0.0f);
+        }
     }
 };
 
 /// All blocks of a grid.
 template <int Dim>
 struct Blocks {
-    BlockTable<Dim> table;
-    std::vector<Block> blocks;
+    using Table = BlockTable<Dim, Block>;
+    using Place = typename Table::Place;
+    Table table;
+    std::size_t count = 0;  ///< of blocks that are not absent
     ChunkedPool<Payload<Dim>, 64> payloads;
     ChunkedPool<Layer, 64> layers;
     SaturationClamp clamp;
 
-    const Block* find(const BlockKey<Dim>& key) const {
-        const std::uint32_t slot = table.find(key);
-        return slot == BlockTable<Dim>::kNone ? nullptr : &blocks[slot];
-    }
+    const Block* find(const BlockKey<Dim>& key) const { return at(table.find(key)); }
     Block* find(const BlockKey<Dim>& key) {
         return const_cast<Block*>(std::as_const(*this).find(key));
     }
+    /// The block there, unless it is absent.
+    const Block* at(Place place) const {
+        if (place == Table::kNowhere || table[place].payload == kAbsent) return nullptr;
+        return &table[place];
+    }
+    /// A block, which gets a payload without known cells if it is absent.
     Block& findOrAdd(const BlockKey<Dim>& key) {
-        Block* block = find(key);
-        return block ? *block : add(key);
+        const Place place = table.findOrMake(key);
+        if (table[place].payload == kAbsent) payloads[add(place)] = Payload<Dim>{};
+        return table[place];
     }
 
-    /// A new block without known cells. \pre there is none of this key
-    Block& add(const BlockKey<Dim>& key) {
-        // What may throw comes first, so that a failure leaves the map whole.
-        if (blocks.size() == blocks.capacity()) blocks.reserve(blocks.size() * 2 + 16);
+    /// Gives an absent block a payload of unspecified contents: its number.
+    std::uint32_t add(Place place) {
         const std::uint32_t payload = payloads.allocate();
-        payloads[payload] = Payload<Dim>{};
-        table.findOrInsert(key, static_cast<std::uint32_t>(blocks.size()));
-        blocks.push_back({payload, 0.0f});
-        return blocks.back();
+        table[place].payload = payload;
+        ++count;
+        return payload;
     }
 
     /// Payload of a block, made from its uniform value if it has none.
@@ -148,52 +160,61 @@ struct Blocks {
     }
 
     /// Asks the memory for what findFor() will read of a block.
-    void fetch(const Block& block) const {
-        if (block.payload == kUniform) return;
-        const auto* const payload = reinterpret_cast<const char*>(&payloads[block.payload]);
-        for (std::size_t at = 0; at < sizeof(Payload<Dim>); at += 64)
-            __builtin_prefetch(payload + at);
+    void fetch(Place place) const {
+        const Block* const block = at(place);
+        if (block == nullptr || block->payload == kUniform) return;
+        const auto* const payload = reinterpret_cast<const char*>(&payloads[block->payload]);
+        for (std::size_t i = 0; i < sizeof(Payload<Dim>); i += 64)
+            __builtin_prefetch(payload + i);
     }
 
     /// Finds what the touched cells of a block need. Makes nothing, so threads may do
-    /// this at once. \pre p.touched is set; p.block is the map's, or nullptr
+    /// this at once. \pre p.touched and p.place are set
     /// \return false if something is missing
     bool findFor(Pending<Dim>& p, bool hit) {
         p.payload = nullptr;
         p.fresh = 0;
+        p.freshPayload = false;
         if (!p.touched.any()) return true;
-        Block* const block = p.block;
-        if (block == nullptr) return false;
-        if (block->payload == kUniform)  // saturated free: misses change nothing
-            return clamp.isAt(block->highest) && !hit;
-        Payload<Dim>& payload = payloads[block->payload];
+        const Block* const found = at(p.place);
+        if (found == nullptr) return false;
+        Block& block = table[p.place];
+        if (block.payload == kUniform)  // saturated free: misses change nothing
+            return clamp.isAt(block.highest) && !hit;
+        p.payload = &payloads[block.payload];
+        if (hit) block.highest = kAnyLogOdds;
+        bool all = true;
         for (int z = 0; z < Payload<Dim>::kLayers; ++z) {
             p.values[z] = nullptr;
             if (p.touched.words[z] == 0) continue;
-            if (payload.layers[z] == kNoLayer) return false;
-            p.values[z] = layers[payload.layers[z]].values.data();
+            if (p.payload->layers[z] == kNoLayer)
+                all = false;
+            else
+                p.values[z] = layers[p.payload->layers[z]].values.data();
         }
-        if (hit) block->highest = kAnyLogOdds;
-        p.payload = &payload;
-        return true;
+        return all;
     }
 
-    /// Makes what findFor() missed.
+    /// Makes what findFor() missed. Its contents are left to p.fillIn().
     void makeFor(Pending<Dim>& p, const BlockKey<Dim>& key, bool hit) {
-        Block* block = find(key);
-        if (block == nullptr) block = &add(key);
-        Payload<Dim>& payload = expand(*block);
-        if (hit) block->highest = kAnyLogOdds;
-        p.payload = &payload;
-        for (int z = 0; z < Payload<Dim>::kLayers; ++z) {
-            p.values[z] = nullptr;
-            if (p.touched.words[z] == 0) continue;
-            if (payload.layers[z] == kNoLayer) {
-                const std::uint32_t layer = layers.allocate();
-                payload.layers[z] = layer;
-                p.fresh |= 1u << z;
+        if (p.payload == nullptr) {
+            p.values.fill(nullptr);
+            p.place = table.findOrMake(key);
+            if (table[p.place].payload == kAbsent) {
+                p.payload = &payloads[add(p.place)];
+                p.freshPayload = true;
+            } else {
+                p.payload = &expand(table[p.place]);
+                for (int z = 0; z < Payload<Dim>::kLayers; ++z)
+                    p.values[z] = layers[p.payload->layers[z]].values.data();
             }
-            p.values[z] = layers[payload.layers[z]].values.data();
+            if (hit) table[p.place].highest = kAnyLogOdds;
+        }
+        for (int z = 0; z < Payload<Dim>::kLayers; ++z) {
+            if (p.touched.words[z] == 0 || p.values[z] != nullptr) continue;
+            p.made[z] = layers.allocate();
+            p.values[z] = layers[p.made[z]].values.data();
+            p.fresh |= 1u << z;
         }
     }
 
@@ -208,8 +229,8 @@ struct Blocks {
     }
 
     void rebuildSaturation(float lowerClamp) {
-        for (const Block& block : blocks) {
-            if (block.payload == kUniform) continue;
+        for (const Block& block : table.values()) {
+            if (block.payload == kUniform || block.payload == kAbsent) continue;
             Payload<Dim>& p = payloads[block.payload];
             p.saturated = {};
             for (int i = 0; i < kBlockCells<Dim>; ++i)

@@ -66,20 +66,27 @@ class SaturationCache {
         BlockSaturation<Dim> saturation() const { return {saturatedFree, mayExceedUnknown}; }
     };
     struct Generation {
-        BlockTable<Dim> table;
+        static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+        struct Number {
+            std::uint32_t value = kNone;
+        };
+        BlockTable<Dim, Number> table;  // of entries
         std::vector<Entry> entries;
 
         std::optional<BlockSaturation<Dim>> find(const BlockKey<Dim>& key) const {
-            const std::uint32_t slot = table.find(key);
-            if (slot == BlockTable<Dim>::kNone || !entries[slot].known) return std::nullopt;
-            return entries[slot].saturation();
+            const auto place = table.find(key);
+            if (place == table.kNowhere) return std::nullopt;
+            const std::uint32_t number = table[place].value;
+            if (number == kNone || !entries[number].known) return std::nullopt;
+            return entries[number].saturation();
         }
         std::uint32_t entryOf(const BlockKey<Dim>& key) {
-            const auto next = static_cast<std::uint32_t>(entries.size());
-            entries.emplace_back();
-            const std::uint32_t slot = table.findOrInsert(key, next);
-            if (slot != next) entries.pop_back();
-            return slot;
+            std::uint32_t& number = table[table.findOrMake(key)].value;
+            if (number == kNone) {
+                entries.emplace_back();
+                number = static_cast<std::uint32_t>(entries.size() - 1);
+            }
+            return number;
         }
         void clear() {
             table.clear();
