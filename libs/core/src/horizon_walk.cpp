@@ -101,7 +101,7 @@ void HorizonWalk<Dim>::findDirections(std::size_t count) {
 /// there are many slices in which they may have something to tell.
 template <int Dim>
 bool HorizonWalk<Dim>::worthLooking(std::size_t count) const {
-    constexpr std::size_t kEach = 37;
+    constexpr std::size_t kEach = 101;
     double slices = 0;
     for (std::size_t i = 0; i < count; i += kEach)
         slices += std::max(0, lastSlice_[i] + 1 - horizon_.firstOpen(spot_[i]));
@@ -179,16 +179,19 @@ void HorizonWalk<Dim>::walkAlone(std::size_t ray) {
     kernels_.walk(*state_, line, 0);
 }
 
-/// Tiles about as wide as a cell at the end of a typical ray; finer ones where few
-/// are enough for that.
+/// Tiles about as wide as a cell at the end of a typical ray; finer ones where few are
+/// enough for that, or there are many rays for each.
 template <int Dim>
 void HorizonWalk<Dim>::chooseTiles(std::size_t first, std::size_t last) {
     constexpr int kFew = 5;
+    constexpr std::size_t kMany = 24;
     const double length = typicalLength(*rays_, first, last);
     int levels = 1;
-    while (levels < DirectionTiles<Dim>::kMostLevels &&
-           (1 << levels) < (levels < kFew ? 2 * length : length))
+    while (levels < DirectionTiles<Dim>::kMostLevels) {
+        const bool fine = levels < kFew || last - first > kMany << ((Dim - 1) * (levels + 1));
+        if ((1 << levels) >= (fine ? 2 * length : length)) break;
         ++levels;
+    }
     tiles_.levels = levels;
 }
 
