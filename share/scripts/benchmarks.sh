@@ -27,25 +27,28 @@ done
 [[ -x $program ]] || { echo "error: no program $program; build superray-bench" >&2; exit 1; }
 mkdir -p "$out"
 
-# compare NAME INPUT RESOLUTIONS SCANS: few maps a process, so that they do not
-# compete for memory more than they must: our maps against octomap with one
-# thread, MRPT's maps against our grid, all methods, two threads, and the policy
-# that equals octomap's.
+# compare NAME INPUT RESOLUTIONS SCANS FEW: few maps a process, so that they do not
+# compete for memory more than they must: our maps against octomap with one thread,
+# our grid against MRPT's, all methods, two threads; of few scans, for that takes
+# octomap's time again and again, all of MRPT's maps, and the policy that equals
+# octomap's.
 compare() {
-    local name=$1 input=$2 resolutions=$3 scans=$4 run
+    local name=$1 input=$2 resolutions=$3 scans=$4 few=$5 run
     echo "=== $name, $resolutions m" >&2
     local -A engines=(
         [maps]=octomap,grid,octree
-        [peers]=octomap,mrpt-octomap,mrpt-grid3d,grid
+        [grid3d]=mrpt-grid3d,grid
         [grid]=grid,grid-perRay,grid-superRays,grid-culling,grid-full
         [octree]=octree,octree-perRay,octree-culling
         [threads]=grid,octree
+        [peers]=octomap,mrpt-octomap,mrpt-grid3d,grid
         [once]=octomap,grid,octree)
     local -A more=([threads]="--threads 1,2" [once]="--policy oncePerScan")
-    for run in maps peers grid octree threads once; do
+    local -A used=([peers]=$few [once]=$few)
+    for run in maps grid3d grid octree threads peers once; do
         # shellcheck disable=SC2086  # options are several words
-        "$program" compare "$input" --resolutions "$resolutions" --scans "$scans" \
-            --engines "${engines[$run]}" ${more[$run]:-} \
+        "$program" compare "$input" --resolutions "$resolutions" \
+            --scans "${used[$run]:-$scans}" --engines "${engines[$run]}" ${more[$run]:-} \
             --json "$out/$name-$run.json" >"$out/$name-$run.txt"
     done
 }
@@ -62,18 +65,18 @@ realtime() {
         >"$out/realtime-$name-all.txt"
 }
 
-# Few scans where octomap takes seconds for each.
+# Whole sequences, but of the outdoor world, where octomap takes too long.
 if ((quick)); then
-    compare indoor indoor 0.4 3
-    compare outdoor outdoor 1.0 1
+    compare indoor indoor 0.4 3 2
+    compare outdoor outdoor 1.0 1 1
 else
-    compare indoor indoor 0.1,0.2,0.4,0.8,1.0 20
-    compare outdoor outdoor 0.2,0.4,0.8,1.0 5
-    compare outdoor-fine outdoor 0.1 3
+    compare indoor indoor 0.1,0.2,0.4,0.8,1.0 66 20
+    compare outdoor outdoor 0.2,0.4,0.8,1.0 20 5
+    compare outdoor-fine outdoor 0.1 8 3
 fi
-for recording in "rgbd_room 0.05 0.02 10 30 0.05 2" "ouster_hall 0.2 0.1 8 10 0.2 1" \
-    "kitti_hdl64 0.2 0.1 5 10 0.2 1" "kitti_hdl64 - - - 10 0.1 2"; do
-    read -r name coarse fine scans rate resolution threads <<<"$recording"
+for recording in "rgbd_room 0.05 0.02 100 10 30 0.05 2" "ouster_hall 0.2 0.1 30 8 10 0.2 1" \
+    "kitti_hdl64 0.2 0.1 30 5 10 0.2 1" "kitti_hdl64 - - - - 10 0.1 2"; do
+    read -r name coarse fine scans few rate resolution threads <<<"$recording"
     file=$data/$name.rawlog
     if [[ -z $data || ! -f $file ]]; then
         echo "NOT MEASURED: $name (no $name.rawlog in --data)" >&2
@@ -81,9 +84,9 @@ for recording in "rgbd_room 0.05 0.02 10 30 0.05 2" "ouster_hall 0.2 0.1 8 10 0.
     fi
     if [[ $coarse != - ]]; then
         if ((quick)); then
-            compare "$name" "$file" "$coarse" 1
+            compare "$name" "$file" "$coarse" 1 1
         else
-            compare "$name" "$file" "$coarse,$fine" "$scans"
+            compare "$name" "$file" "$coarse,$fine" "$scans" "$few"
         fi
     fi
     realtime "$name-$resolution" "$file" "$rate" "$resolution" "$threads"

@@ -42,7 +42,7 @@ class BenchmarkTables(ProgramTest):
         lines = text.splitlines()
         self.assertIn("| indoor 0.4 m | 1 | 500 | - | 10 | 40 |", lines)
         self.assertIn("| indoor 0.4 m | - | 50 | 12.5 |", lines)
-        self.assertTrue(any(line.startswith("| indoor 0.4 m | 500 | - | 40 | 10 | 4 |")
+        self.assertTrue(any(line.startswith("| indoor 0.4 m | 1 | 500 | - | 40 | 10 | 4 |")
                             for line in lines))
         self.assertIn("| indoor 0.4 m | 10 | 20 | - | 12.5 | - | 0.8 |", lines)
         self.assertIn("### Two threads: elapsed time per scan [ms]", lines)
@@ -52,6 +52,19 @@ class BenchmarkTables(ProgramTest):
         for line in lines:
             if line.startswith("| ") and "---" not in line:
                 self.assertGreater(line.count("|"), 4)
+
+    def test_the_grid_beside_mrpts_grid_alone(self):
+        result = self.bench_json("a.json", "compare", "indoor", "--resolutions", "0.4",
+                                 "--engines", "mrpt-grid3d,grid")
+        document = json.loads(result.read_text())
+        for run in document["runs"]:
+            run["cpu_ms_per_scan"] = {"mrpt-grid3d": 30, "grid": 20}[run["engine"]]
+        result.write_text(json.dumps(document))
+        lines = self.tables(result).splitlines()
+        self.assertIn("### Beside MRPT's COccupancyGridMap3D: time per scan [ms], one thread",
+                      lines)
+        self.assertTrue(any(line.startswith("| indoor 0.4 m | 1 | 30 | 20 | 1.5 |")
+                            for line in lines))
 
     def test_replaces_the_section_of_a_document(self):
         result = self.bench_json("a.json", "compare", "indoor", "--resolutions", "0.4",
