@@ -71,10 +71,10 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
     const FoldVersion& fold = foldForThisCpu();
     const std::size_t shares = std::max<std::size_t>(
         1, std::min<std::size_t>(threads, batch.blockCount() / kBlocksPerShare));
-    // Blocks and layers are made by one thread, some blocks ahead of the
-    // folding, so that what it has just made is still in the cache.
     std::vector<typename Impl::Left>& left = impl_->left;
     left.resize(std::max(shares, left.size()));
+    // New blocks and layers get their numbers from one thread, some blocks ahead of the
+    // folding, so that what it has just read is still in the cache.
     const std::size_t step = shares == 1 ? kBlocksAtOnce : kBlocksOfThreads;
     for (std::size_t first = 0; first < batch.blockCount(); first += step) {
         const std::size_t last = std::min(batch.blockCount(), first + step);
@@ -106,7 +106,7 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
                 [&](Pending<Dim>& p, std::size_t b) {
                     fold.touchedCells(Payload<Dim>::kLayers, batch.misses(b), batch.hits(b),
                                       p.touched.words.data());
-                    if (!impl_->findFor(p, batch.hits(b) != nullptr))
+                    if (!impl_->findFor(p, batch.hits(b), fold))
                         left[share].toMake.push_back(b);
                 });
         });
@@ -210,7 +210,10 @@ template <int Dim>
 BlockSaturation<Dim> BlockGrid<Dim>::saturation(const BlockKey<Dim>& key,
                                                 float lowerClamp) const {
     BlockSaturation<Dim> result;
-    const Block* block = impl_->find(key);
+    const auto place = impl_->table.find(key);
+    if (place == impl_->table.kNowhere) return result;
+    impl_->fetchNeighbours(key, place);
+    const Block* block = impl_->at(place);
     if (!block) return result;
     if (block->payload == kUniform) {
         if (block->highest == lowerClamp) result.saturatedFree = fullMask<Dim>();

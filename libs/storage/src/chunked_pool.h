@@ -21,7 +21,7 @@ class ChunkedPool {
  public:
     ChunkedPool() = default;
     ChunkedPool(const ChunkedPool& o) : free_(o.free_), used_(o.used_) {
-        while (chunks_.size() < o.chunks_.size()) addSlab(o.chunks_.size() - chunks_.size());
+        if (!o.chunks_.empty()) addSlab(o.chunks_.size());
         for (std::size_t i = 0; i * kChunk < used_; ++i)
             std::memcpy(chunks_[i], o.chunks_[i], kChunk * sizeof(T));
     }

@@ -37,6 +37,18 @@ struct FoldVersion {
                        const std::uint8_t* misses, const std::uint8_t* hits);
 };
 
+/// Leaves out touched cells that are saturated and not hit: misses change nothing there.
+/// \param hits of the block's cells, nullptr for none
+template <int Dim>
+void leaveOutSaturated(const FoldVersion& fold, BlockMask<Dim>& touched,
+                       const BlockMask<Dim>& saturated, const std::uint8_t* hits) {
+    BlockMask<Dim> hit;
+    if (hits != nullptr)
+        fold.touchedCells(BlockMask<Dim>::kWords, hits, nullptr, hit.words.data());
+    for (std::size_t w = 0; w < touched.words.size(); ++w)
+        touched.words[w] &= ~saturated.words[w] | hit.words[w];
+}
+
 /// The fastest version for this CPU.
 const FoldVersion& foldForThisCpu();
 /// Every version this CPU can run, slowest first (tests hold them equal).

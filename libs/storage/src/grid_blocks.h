@@ -5,6 +5,7 @@
 
 #include "block_table.h"
 #include "chunked_pool.h"
+#include "fold_layers.h"
 #include "saturation_clamp.h"
 
 #include <algorithm>
@@ -159,6 +160,15 @@ struct Blocks {
         });
     }
 
+    /// Asks the memory for the saturated cells of a block's neighbours: a scan that asks
+    /// for this block will soon ask for them.
+    void fetchNeighbours(const BlockKey<Dim>& key, Place place) const {
+        Table::forEachNeighbour(key, place, [&](Place neighbour) {
+            const std::uint32_t payload = table[neighbour].payload;
+            if (payload < kUniform) __builtin_prefetch(&payloads[payload].saturated);
+        });
+    }
+
     /// Asks the memory for what findFor() will read of a block.
     void fetch(Place place) const {
         const Block* const block = at(place);
@@ -170,8 +180,9 @@ struct Blocks {
 
     /// Finds what the touched cells of a block need. Makes nothing, so threads may do
     /// this at once. \pre p.touched and p.place are set
+    /// \param hits of the block's cells, nullptr for none
     /// \return false if something is missing
-    bool findFor(Pending<Dim>& p, bool hit) {
+    bool findFor(Pending<Dim>& p, const std::uint8_t* hits, const FoldVersion& fold) {
         p.payload = nullptr;
         p.fresh = 0;
         p.freshPayload = false;
@@ -180,9 +191,12 @@ struct Blocks {
         if (found == nullptr) return false;
         Block& block = table[p.place];
         if (block.payload == kUniform)  // saturated free: misses change nothing
-            return clamp.isAt(block.highest) && !hit;
-        p.payload = &payloads[block.payload];
-        if (hit) block.highest = kAnyLogOdds;
+            return clamp.isAt(block.highest) && hits == nullptr;
+        Payload<Dim>& payload = payloads[block.payload];
+        leaveOutSaturated<Dim>(fold, p.touched, payload.saturated, hits);
+        if (!p.touched.any()) return true;
+        p.payload = &payload;
+        if (hits != nullptr) block.highest = kAnyLogOdds;
         bool all = true;
         for (int z = 0; z < Payload<Dim>::kLayers; ++z) {
             p.values[z] = nullptr;

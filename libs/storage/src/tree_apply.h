@@ -145,7 +145,7 @@ class TreeApply {
                              ? BlockSaturation<Dim>{}
                              : saturationOfBlock(nodes_, writer.node(), model_.min);
         }
-        removeInVain(touched, saturation->saturatedFree, hits);
+        leaveOutSaturated<Dim>(fold_, touched, saturation->saturatedFree, hits);
         if (touched.any()) {
             found = writer.enter(block.morton);
             editor.reserve();
@@ -153,15 +153,6 @@ class TreeApply {
             saturation->mayExceedUnknown |= hits != nullptr;
         }
         cache_.put(block.entry, *saturation);
-    }
-
-    /// Misses of saturated cells change nothing.
-    void removeInVain(BlockMask<Dim>& touched, const BlockMask<Dim>& saturated,
-                      const std::uint8_t* hits) const {
-        BlockMask<Dim> hit;
-        if (hits) fold_.touchedCells(BlockMask<Dim>::kWords, hits, nullptr, hit.words.data());
-        for (std::size_t w = 0; w < touched.words.size(); ++w)
-            touched.words[w] &= ~saturated.words[w] | hit.words[w];
     }
 
     void fold(Writer& writer, typename Writer::Found found, const BlockMask<Dim>& touched,
