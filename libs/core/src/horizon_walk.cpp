@@ -13,6 +13,9 @@ constexpr double kWorthIt = 4;
 /// the sensor's order find less in the cache.
 constexpr double kDense = 3.5;
 
+/// A sample must spare the other rays at least a quarter of their slices.
+constexpr double kRepays = 0.75;
+
 /// Most work of looking around, per ray: about what it takes to walk a ray through
 /// as many cells.
 constexpr std::size_t kWorkPerRay = 4;
@@ -69,10 +72,14 @@ void HorizonWalk<Dim>::walk(std::size_t first, std::size_t last) {
     culled_ += count;
     const bool dense =
         static_cast<double>(count) > kDense * static_cast<double>(horizon_.tilesWithRays());
-    if (dense && worthLooking(count)) {
+    if (dense && sampleRepays_.tryNow() && worthLooking(slicesLeft(count))) {
         // What the sample saturates, the others are spared.
         walkSample(count);
-        if (worthLooking(count)) lookAround(count);
+        const double before = slicesLeft(count);
+        if (worthLooking(before)) {
+            lookAround(count);
+            sampleRepays_.learn(slicesLeft(count) < kRepays * before);
+        }
     }
     walkLast(count);
 }
@@ -97,15 +104,20 @@ void HorizonWalk<Dim>::findDirections(std::size_t count) {
     }
 }
 
-/// Whether looking around again may save more than it takes: by some of the rays, as
-/// there are many slices in which they may have something to tell.
+/// In how many slices rays may have something to tell, by some of them.
 template <int Dim>
-bool HorizonWalk<Dim>::worthLooking(std::size_t count) const {
+double HorizonWalk<Dim>::slicesLeft(std::size_t count) const {
     constexpr std::size_t kEach = 101;
     double slices = 0;
     for (std::size_t i = 0; i < count; i += kEach)
         slices += std::max(0, lastSlice_[i] + 1 - horizon_.firstOpen(spot_[i]));
-    return slices * kEach > kWorthIt * static_cast<double>(region_.work());
+    return slices * kEach;
+}
+
+/// Whether looking around again may save more than it takes.
+template <int Dim>
+bool HorizonWalk<Dim>::worthLooking(double slices) const {
+    return slices > kWorthIt * static_cast<double>(region_.work());
 }
 
 /// Walks those of a few rays that have something to tell.

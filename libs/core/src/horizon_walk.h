@@ -47,7 +47,8 @@ class HorizonWalk {
     template <Branches branches>
     std::size_t countInTurns(std::size_t at, std::size_t runs);
     void lookAround(std::size_t count);
-    bool worthLooking(std::size_t count) const;
+    double slicesLeft(std::size_t count) const;
+    bool worthLooking(double slices) const;
     void walkSample(std::size_t count);
     void walkLast(std::size_t count);
     void walkChosen(const HorizonWalk& owner, ListPiece piece);
@@ -66,6 +67,7 @@ class HorizonWalk {
     std::array<std::uint32_t, RayDirections<Dim>::kMost + RayDirections<Dim>::kSlack>
         starts_;  // of runs in there
     Surprise hitsMatter_;
+    Attempts sampleRepays_;
     ScratchArray<std::uint32_t> spot_;       // per ray
     ScratchArray<std::uint16_t> lastSlice_;  // per ray
     ScratchArray<std::uint32_t> chosen_;     // rays to walk, in turns with others
