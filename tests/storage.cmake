@@ -6,7 +6,7 @@ superray_add_test(storage_octree_test SOURCES storage/octree_test.cpp
                   LIBS superray::storage octomap)
 superray_add_test(storage_octree_threads_test SOURCES storage/octree_threads_test.cpp
                   LIBS superray::storage octomap)
-superray_add_test(storage_octree_failure_test SOURCES storage/octree_failure_test.cpp
+superray_add_test(storage_apply_failure_test SOURCES storage/apply_failure_test.cpp
                   LIBS superray::storage octomap)
 superray_add_test(storage_node_arena_test SOURCES storage/node_arena_test.cpp
                   LIBS superray::storage)

@@ -115,23 +115,23 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
                 for (const std::size_t b : left[share].toMake)
                     impl_->makeFor(impl_->pending[b - first], batch.key(b),
                                    batch.hits(b) != nullptr);
+            inParallel(shares, [&](std::size_t share) {
+                left[share].toCollapse.clear();
+                forShare(share, [&](Pending<Dim>& p, std::size_t block) {
+                    if (p.payload == nullptr) return;
+                    p.fillIn();
+                    fold.foldCounts(
+                        foldModel,
+                        {Payload<Dim>::kLayers, p.values.data(), p.touched.words.data(),
+                         p.payload->known.words.data(), p.payload->saturated.words.data()},
+                        batch.misses(block), batch.hits(block));
+                    if (impl_->isUniform(*p.payload)) left[share].toCollapse.push_back(block);
+                });
+            });
         } catch (...) {
-            for (Pending<Dim>& p : impl_->pending) p.fillIn();
+            for (Pending<Dim>& p : impl_->pending) impl_->undo(p);
             throw;
         }
-        inParallel(shares, [&](std::size_t share) {
-            left[share].toCollapse.clear();
-            forShare(share, [&](Pending<Dim>& p, std::size_t block) {
-                if (p.payload == nullptr) return;
-                p.fillIn();
-                fold.foldCounts(
-                    foldModel,
-                    {Payload<Dim>::kLayers, p.values.data(), p.touched.words.data(),
-                     p.payload->known.words.data(), p.payload->saturated.words.data()},
-                    batch.misses(block), batch.hits(block));
-                if (impl_->isUniform(*p.payload)) left[share].toCollapse.push_back(block);
-            });
-        });
         for (std::size_t share = 0; share < shares; ++share)
             for (const std::size_t b : left[share].toCollapse)
                 impl_->collapse(impl_->table[impl_->pending[b - first].place]);

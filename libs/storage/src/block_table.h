@@ -70,7 +70,7 @@ class BlockTable {
         }
     }
     /// All of them, without keys.
-    std::vector<Value>& values() { return values_; }
+    const std::vector<Value>& values() const { return values_; }
 
  private:
     static constexpr int kPageBits = 6 / Dim;  // blocks per axis and page: 4 (in 2D, 8)

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <stdexcept>
 #include <type_traits>
 #include <vector>
 
@@ -31,7 +32,9 @@ class ChunkedPool {
     T& operator[](std::uint32_t i) { return chunks_[i / kChunk][i % kChunk]; }
     const T& operator[](std::uint32_t i) const { return chunks_[i / kChunk][i % kChunk]; }
 
-    /// Number of an object with unspecified contents.
+    /// Number of an object with unspecified contents. The greatest numbers, kChunk of them,
+    /// are never given out: callers may use them as marks.
+    /// \throws std::length_error if there is no other left
     std::uint32_t allocate() {
         if (!free_.empty()) {
             const std::uint32_t i = free_.back();
@@ -43,6 +46,11 @@ class ChunkedPool {
         return used_++;
     }
     void release(std::uint32_t i) { free_.push_back(i); }
+    /// So that so many can be released without failure.
+    void keepRoomToRelease(std::size_t n) {
+        if (free_.capacity() - free_.size() < n)
+            free_.reserve(std::max(2 * free_.capacity(), free_.size() + n));
+    }
 
     void clear() {
         slabs_.clear();
@@ -73,6 +81,9 @@ class ChunkedPool {
     static constexpr std::size_t kSpare = 128;      ///< of so many chunks, one may be unused
 
     void addSlab(std::size_t chunks) {
+        constexpr std::size_t kMost = (std::size_t{1} << 32) / kChunk - 1;
+        if (chunks_.size() + chunks > kMost)
+            throw std::length_error("a map holds fewer than 2^32 blocks, layers or nodes");
         slabs_.emplace_back(chunks);
         for (std::size_t i = 0; i < chunks; ++i)
             chunks_.push_back(slabs_.back().memory.get() + i * kChunk);

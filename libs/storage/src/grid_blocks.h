@@ -59,8 +59,9 @@ struct Pending {
     void fillIn() {
         if (payload == nullptr) return;
         if (freshPayload) *payload = Payload<Dim>{};
-        for (std::uint32_t left = fresh; left != 0; left &= left - 1) {
-            const int z = __builtin_ctz(left);
+        freshPayload = false;
+        for (; fresh != 0; fresh &= fresh - 1) {
+            const int z = __builtin_ctz(fresh);
             payload->layers[z] = made[z];
             std::fill_n(values[z], 64, 0.0f);
         }
@@ -187,8 +188,7 @@ struct Blocks {
         p.fresh = 0;
         p.freshPayload = false;
         if (!p.touched.any()) return true;
-        const Block* const found = at(p.place);
-        if (found == nullptr) return false;
+        if (at(p.place) == nullptr) return false;
         Block& block = table[p.place];
         if (block.payload == kUniform)  // saturated free: misses change nothing
             return clamp.isAt(block.highest) && hits == nullptr;
@@ -232,10 +232,24 @@ struct Blocks {
         }
     }
 
+    /// After a failure: what was made and has not been filled in is as if it had not been
+    /// made, but that its numbers are lost until the map is cleared.
+    void undo(Pending<Dim>& p) {
+        if (p.payload != nullptr && p.freshPayload) {
+            table[p.place] = {};
+            --count;
+        } else {
+            p.fillIn();
+        }
+    }
+
     /// Gives the payload back if the block has become uniform.
     void collapse(Block& block) {
         const Payload<Dim>& p = payloads[block.payload];
         if (!isUniform(p)) return;
+        // What may throw comes first, so that a failure leaves the map whole.
+        layers.keepRoomToRelease(p.layers.size());
+        payloads.keepRoomToRelease(1);
         block.highest = value(p, 0);
         for (const std::uint32_t layer : p.layers) layers.release(layer);
         payloads.release(block.payload);
