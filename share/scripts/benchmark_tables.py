@@ -69,6 +69,11 @@ class Case:
     def has_peers(self):
         return any(engine.startswith("mrpt-") for engine, _ in self.runs)
 
+    def is_grids_alone(self):
+        """Our grid and MRPT's, for which no octomap is waited for."""
+        return (self.get("mrpt-grid3d") and not self.get("mrpt-octomap") and
+                not self.get("octomap"))
+
     def measures_maps(self):
         """Our maps against octomap, and little else that would compete for memory."""
         ours = [e for e in ("grid", "octree") if self.get(e)]
@@ -119,8 +124,8 @@ def cases_of(documents):
 def compare_tables(documents):
     cases = cases_of(documents)
     one = [c for c in cases if c.measures_maps()]
-    beside = [c for c in cases if c.has_peers() and c.get("octomap")]
-    beside_grid = [c for c in cases if c.get("mrpt-grid3d") and not c.get("octomap")]
+    grids = [c for c in cases if c.is_grids_alone()]
+    beside = [c for c in cases if c.has_peers() and not c.is_grids_alone()]
     two = [c for c in cases if c.get("grid", 2) or c.get("octree", 2)]
     once = [c for c in cases if c.policy == "oncePerScan"]
     out = []
@@ -132,20 +137,18 @@ def compare_tables(documents):
                 "### Times faster than octomap, one thread",
                 table(["data"] + maps[1:],
                       [[c.name] + [number(c.ratio(e)) for e in maps[1:]] for c in one])]
-    if beside_grid:
-        rows = []
-        for c in beside_grid:
-            engines = ("mrpt-grid3d", "grid")
-            rows.append([c.name, c.scans] + [number(c.ms(e)) for e in engines] +
-                        [number(c.times(*engines))] +
-                        [megabytes(c.bytes(e)) for e in engines])
+    if grids:
+        pair = ["mrpt-grid3d", "grid"]
         out += ["### Beside MRPT's COccupancyGridMap3D: time per scan [ms], one thread",
-                table(["data", "scans", "mrpt-grid3d", "grid", "times", "mrpt-grid3d MB",
-                       "grid MB"], rows)]
+                table(["data", "scans"] + pair + ["times"] + [f"{e} MB" for e in pair],
+                      [[c.name, c.scans] + [number(c.ms(e)) for e in pair] +
+                       [number(c.times(*pair))] +
+                       [megabytes(c.bytes(e)) for e in pair] for c in grids])]
     if beside:
         peers = ["octomap", "mrpt-octomap", "mrpt-grid3d", "grid"]
         out += ["### Beside MRPT's maps: time per scan [ms], one thread; map memory [MB]",
-                table(["data", "scans"] + peers + ["mrpt-grid3d / grid"] + [f"{e} MB" for e in peers],
+                table(["data", "scans"] + peers + ["mrpt-grid3d / grid"] +
+                      [f"{e} MB" for e in peers],
                       [[c.name, c.scans] + [number(c.ms(e)) for e in peers] +
                        [number(c.times("mrpt-grid3d", "grid"))] +
                        [megabytes(c.bytes(e)) for e in peers] for c in beside])]

@@ -66,6 +66,16 @@ class BenchmarkTables(ProgramTest):
         self.assertTrue(any(line.startswith("| indoor 0.4 m | 1 | 30 | 20 | 1.5 |")
                             for line in lines))
 
+    def test_mrpts_octomap_needs_no_octomap(self):
+        result = self.bench_json("a.json", "compare", "indoor", "--resolutions", "0.4",
+                                 "--engines", "mrpt-octomap,grid")
+        document = json.loads(result.read_text())
+        for run in document["runs"]:
+            run["cpu_ms_per_scan"] = {"mrpt-octomap": 30, "grid": 20}[run["engine"]]
+        result.write_text(json.dumps(document))
+        self.assertTrue(any(line.startswith("| indoor 0.4 m | 1 | - | 30 | - | 20 | - |")
+                            for line in self.tables(result).splitlines()))
+
     def test_replaces_the_section_of_a_document(self):
         result = self.bench_json("a.json", "compare", "indoor", "--resolutions", "0.4",
                                  "--engines", "octomap,grid,grid-perRay")

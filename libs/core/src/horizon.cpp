@@ -1,5 +1,6 @@
 #include "horizon.h"
 
+#include "in_turns.h"
 #include "walk_kernel.h"
 
 namespace superray {
@@ -197,8 +198,7 @@ void Horizon<Dim>::forEachSight(const BlockKey<Dim>& block, const Visit& visit) 
             if ((used_ >> s.kind & 1) == 0) continue;
             s.dominant = d;
             const float perFar = 1 / s.far[d];
-            const float perNear =
-                s.near[d] > 0 ? 1 / s.near[d] : std::numeric_limits<float>::max();
+            const float perNear = perNearOf(s.near[d]);
             bool seen = true;
             s.low[1] = s.high[1] = 0;
             for (int a = 0, m = 0; a < Dim; ++a) {

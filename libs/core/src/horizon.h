@@ -11,7 +11,6 @@
 #include "surprise.h"
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 namespace superray {

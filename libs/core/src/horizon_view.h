@@ -5,6 +5,8 @@
 
 #include "ray_directions.h"
 
+#include <limits>
+
 namespace superray {
 
 /// What a digital line may be off the straight one [cells], with room to spare:
@@ -15,6 +17,11 @@ inline constexpr float kSlopeError = 1.0f / (1 << 18);
 
 inline int bitLength(std::uint32_t x) {
     return x == 0 ? 0 : 32 - __builtin_clz(x);
+}
+
+/// The inverse of the nearest dominant coordinate of what may surround the sensor.
+inline float perNearOf(float near) {
+    return near > 0 ? 1 / near : std::numeric_limits<float>::max();
 }
 
 /// A block as seen by the rays of a kind.

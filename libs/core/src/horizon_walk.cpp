@@ -1,5 +1,6 @@
 #include "horizon_walk.h"
 
+#include "in_turns.h"
 #include "scan_extent.h"
 
 #include <algorithm>

@@ -2,9 +2,11 @@
 // Method `auto`: each ray is walked from where it has something to tell, as far as
 // the map and the rays before it leave something to be told.
 
+#include "attempts.h"
 #include "ray_sample.h"
 #include "settled_region.h"
 #include "shared_list.h"
+#include "surprise.h"
 #include "walk_kernel.h"
 
 #include <array>

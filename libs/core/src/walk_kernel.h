@@ -8,9 +8,9 @@
 
 #include "block_directory.h"
 #include "horizon_view.h"
+#include "in_turns.h"
 #include "point_kernels.h"
 #include "ray_directions.h"
-#include "surprise.h"
 
 #include <algorithm>
 #include <cstring>
@@ -140,10 +140,9 @@ struct WalkState {
     void flush(std::uint32_t weight) {
         std::uint8_t* counts = batch.missArena();
         traversed += addresses.size();
-        const std::uint32_t* const end = addresses.end();
+        const std::uint32_t* const at = addresses.begin();
         if (weight == 1) {
             // Rays side by side visit the same cells one after the other.
-            const std::uint32_t* const at = addresses.begin();
             inTurns(addresses.size(), [&](std::size_t, std::size_t i) {
                 std::uint8_t& count = counts[at[i]];
                 std::uint8_t more;
@@ -152,8 +151,8 @@ struct WalkState {
                 count = static_cast<std::uint8_t>(more - carry);
             });
         } else {
-            for (const std::uint32_t* a = addresses.begin(); a != end; ++a)
-                counts[*a] = saturatingAdd(counts[*a], weight);
+            for (std::size_t i = 0, n = addresses.size(); i < n; ++i)
+                counts[at[i]] = saturatingAdd(counts[at[i]], weight);
         }
         addresses.clear();
     }
