@@ -7,6 +7,7 @@ set -euo pipefail
 packages=(
     g++ cmake ninja-build
     libeigen3-dev libmrpt-dev liboctomap-dev libcli11-dev nlohmann-json3-dev zlib1g-dev
+    libtbb-dev            # what GCC's parallel algorithms run in
     libgtest-dev libbenchmark-dev
     gnuplot-nox           # plots of superray-bench paper
     mrpt-apps mrpt-common # the stock programs and the recorded scans

@@ -53,5 +53,19 @@ TEST(SharedList, HelpersReturnWhenTheOwnerFails) {
     EXPECT_FALSE(list.take());
 }
 
+TEST(SharedList, HelpersDoNothingForAnOwnerThatHasNotBegun) {
+    SharedList list;
+    list.publish(5000);  // what an owner that failed has left
+    std::size_t done = 0;
+    const auto count = [&](ListPiece piece) { done += piece.end - piece.begin; };
+    list.help(count);
+    EXPECT_EQ(done, 0u);
+    list.open();
+    list.publish(0);
+    list.close();
+    list.help(count);
+    EXPECT_EQ(done, 0u);
+}
+
 }  // namespace
 }  // namespace superray

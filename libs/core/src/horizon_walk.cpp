@@ -55,6 +55,7 @@ void HorizonWalk<Dim>::begin(const RayBundle<Dim>& rays, const SaturationSource<
     origin_ = RayLine<Dim>::unitsOf(rays.geometry(), rays.commonOrigin());
     for (std::uint32_t kind = 0; kind < waiting_.size(); ++kind)
         for (RayLanes& lanes : waiting_[kind]) lanes.kind = kind;
+    list_->open();
 }
 
 template <int Dim>

@@ -14,14 +14,12 @@
 
 namespace superray {
 
-/// One thread's part of a scan: expect(), then begin(), walk() of any number of parts
-/// of the rays, end(); then it may help others.
+/// One thread's part of a scan: begin(), walk() of any number of parts of the rays,
+/// end(); then it may help others.
 template <int Dim>
 class HorizonWalk {
  public:
-    /// Before the threads begin: others may help from now on, until end().
-    void expect() { list_->open(); }
-
+    /// Others may help from now on, until end().
     /// \param map nullptr: none; must outlive the scan
     /// \pre the rays have the common origin; state.reset() and
     /// state.countMapSaturation() were called
@@ -34,8 +32,8 @@ class HorizonWalk {
     /// There are no more parts (also where an exception ends the work).
     void end() noexcept { list_->close(); }
 
-    /// Counts some of what another's last part has to tell, until it is done.
-    /// \pre both are of one scan; nobody takes parts any more
+    /// Counts some of what another's last part has to tell, until it is done; nothing if
+    /// it has not begun. \pre both are of one scan; nobody takes parts any more
     void help(HorizonWalk& other);
 
     /// Rays that were cut short or left out, since begin().

@@ -127,7 +127,6 @@ void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const Sens
     }
     const RayBundle<Dim>& rays = sorting ? *sorted_ : *rays_;
     ChunkQueue queue(parts_.size() - 1, shareCount_);
-    for (std::size_t s = 0; s < shareCount_; ++s) shares_[s].horizon.expect();
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
         HorizonWalk<Dim>& walk = share.horizon;

@@ -34,19 +34,17 @@ class SharedList {
     }
 
     /// By the owner: there will be lists, and nothing is left of earlier ones; there
-    /// will be no more.
+    /// will be no more, and all is taken (unless the owner failed).
     void open() {
         left_.store(0, std::memory_order_relaxed);
-        open_.store(true, std::memory_order_relaxed);
+        open_.store(true, std::memory_order_release);
     }
     void close() { open_.store(false, std::memory_order_release); }
-    /// By others: work(piece) until all is taken and there will be no more.
+    /// By others: work(piece) as long as there will be lists.
     template <typename Work>
     void help(const Work& work) {
-        for (;;) {
-            const bool last = !open_.load(std::memory_order_acquire);
+        while (open_.load(std::memory_order_acquire)) {
             while (const auto piece = take()) work(*piece);
-            if (last) return;
             std::this_thread::yield();
         }
     }

@@ -1,0 +1,76 @@
+// Work shared out to threads.
+
+#include <superray/core/parallel.h>
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace superray {
+namespace {
+
+TEST(InParallel, DoesEachShareOnce) {
+    for (const std::size_t shares : {1u, 2u, 5u, 1024u}) {
+        std::vector<std::atomic<int>> done(shares);
+        inParallel(shares, [&](std::size_t share) { ++done[share]; });
+        for (const auto& n : done) ASSERT_EQ(n, 1);
+    }
+}
+
+TEST(InParallel, TwoSharesCanMeet) {
+    if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "one processor";
+    // A share that the pool has not begun in time is done afterwards: it may happen that
+    // two do not meet, but not always.
+    int met = 0;
+    for (int attempt = 0; attempt < 1000 && met == 0; ++attempt) {
+        std::atomic<int> here{0};
+        std::atomic<bool> both{false};
+        inParallel(2, [&](std::size_t) {
+            if (++here == 2) both = true;
+            for (int i = 0; i < 100000 && !both; ++i) std::this_thread::yield();
+            --here;
+        });
+        met += both;
+    }
+    EXPECT_GT(met, 0);
+}
+
+TEST(InParallel, AllSharesEndBeforeTheFirstFailureIsThrown) {
+    std::atomic<int> ended{0};
+    const auto work = [&](std::size_t share) {
+        ++ended;
+        if (share >= 2) throw std::runtime_error("share " + std::to_string(share));
+    };
+    try {
+        inParallel(8, work);
+        FAIL() << "nothing was thrown";
+    } catch (const std::runtime_error& e) {
+        EXPECT_STREQ(e.what(), "share 2");
+    }
+    EXPECT_EQ(ended, 8);
+    EXPECT_THROW(inParallel(1, [](std::size_t) { throw std::runtime_error("it"); }),
+                 std::runtime_error);
+}
+
+TEST(InParallel, SeveralThreadsMayCallIt) {
+    constexpr std::size_t kCallers = 4, kCalls = 200, kShares = 3;
+    std::atomic<std::size_t> done{0};
+    std::vector<std::thread> callers;
+    for (std::size_t c = 0; c < kCallers; ++c)
+        callers.emplace_back([&] {
+            for (std::size_t i = 0; i < kCalls; ++i) {
+                std::atomic<std::size_t> mine{0};
+                inParallel(kShares, [&](std::size_t) { ++mine; });
+                done += mine == kShares ? kShares : 0;
+            }
+        });
+    for (std::thread& t : callers) t.join();
+    EXPECT_EQ(done, kCallers * kCalls * kShares);
+}
+
+}  // namespace
+}  // namespace superray
