@@ -1,5 +1,5 @@
 foreach(name cell sensor_model ray_bundle ray_line super_rays culling_region update_batch
-        large_memory chunk_queue shared_list mask_fill in_turns attempts horizon equivalence)
+        large_memory chunk_queue shared_list mask_fill in_turns attempts parallel horizon equivalence)
   superray_add_test(core_${name}_test SOURCES core/${name}_test.cpp LIBS superray::core)
 endforeach()
 # Internal headers: kernels that only some processors run, and what they rest on.

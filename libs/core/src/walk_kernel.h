@@ -57,6 +57,8 @@ struct WalkState {
     void reset(const BlockBox<Dim>& box) {
         batch.clear();
         directory.reset(box);
+        hitBlocks_.clear();
+        listed_.clear();
         traversed = 0;
         map_ = nullptr;
     }
@@ -75,13 +77,13 @@ struct WalkState {
         sureHits_ = static_cast<std::uint8_t>(once ? 1 : model.hitsToSaturate());
     }
     /// Hit counts of a block, which is made on first use.
-    std::uint8_t* hitsOf(const BlockKey<Dim>& key) { return batch.hitsOf(batchBlock(key)); }
+    std::uint8_t* hitsOf(const BlockKey<Dim>& key) { return hitsOf(batchBlock(key)); }
     /// The same of the block with this index in the directory, whose key is only asked
     /// for if it has no counts yet. \pre the directory is dense
     template <typename KeyOf>
     std::uint8_t* hitsOf(std::uint32_t index, const KeyOf& keyOf) {
         const std::uint32_t n = directory.data()[index] & ~kMayExceedUnknown;
-        return n < kFirstBlock ? hitsOf(keyOf()) : batch.hitsOf(n - kFirstBlock);
+        return hitsOf(n < kFirstBlock ? batchBlock(keyOf()) : n - kFirstBlock);
     }
     /// Whether more hits change nothing.
     bool sureHit(std::uint8_t hits) const { return hits >= sureHits_; }
@@ -89,14 +91,15 @@ struct WalkState {
     /// oncePerScan, with any) need no misses any more: they get the greatest miss
     /// count, so that no walk need bother.
     void settleSureHits() {
-        for (std::size_t b = 0; b < batch.blockCount(); ++b) {
+        for (const std::uint32_t b : hitBlocks_) {
             const std::uint8_t* const hits = batch.hits(b);
-            if (hits == nullptr) continue;
-            std::uint8_t* const misses = batch.missesOf(static_cast<std::uint32_t>(b));
+            std::uint8_t* const misses = batch.missesOf(b);
             for (int i = 0; i < kBlockCells<Dim>; ++i)
                 misses[i] = hits[i] >= sureHits_ ? std::uint8_t{UpdateBatch<Dim>::kMaxCount}
                                                  : misses[i];
+            listed_[b] = false;
         }
+        hitBlocks_.clear();
     }
     /// Misses beyond which more change nothing, in blocks whose number has the
     /// flag kMayExceedUnknown and in others.
@@ -165,6 +168,13 @@ struct WalkState {
  private:
     static constexpr std::uint32_t kFirstBlock = 2;
 
+    /// Hit counts of a block of the batch.
+    std::uint8_t* hitsOf(std::uint32_t block) {
+        if (block >= listed_.size()) listed_.resize(batch.blockCount());
+        if (!listed_[block]) hitBlocks_.push_back(block);
+        listed_[block] = true;
+        return batch.hitsOf(block);
+    }
     std::uint32_t makeBlock(const BlockKey<Dim>& key) {
         BlockSaturation<Dim> before;
         if (map_ != nullptr) before = map_->saturation(key, lowerClamp_);
@@ -197,6 +207,8 @@ struct WalkState {
     const SaturationSource<Dim>* map_ = nullptr;
     float lowerClamp_ = 0;
     std::uint8_t sureHits_ = 0;
+    std::vector<std::uint32_t> hitBlocks_;  // got hits since settleSureHits()
+    std::vector<bool> listed_;              // there, per block of the batch
 };
 
 /// Appends the free cells of a ray from slice `from` on.
