@@ -106,8 +106,7 @@ bool RayBundle<Dim>::addGoodReturns(const Scalar* ends, std::size_t count, unsig
     constexpr std::size_t kPerShare = 1 << 14;  // repays a thread
     if (!unlimited_ || !origins_.empty()) return false;
     PerAxis<Scalar>& to = coordinates<Scalar>();
-    const std::size_t shares =
-        std::max<std::size_t>(1, std::min<std::size_t>(threads, count / kPerShare));
+    const std::size_t shares = shareCountFor(count, kPerShare, threads);
     std::mutex mutex;  // of these:
     bool good = true;
     Point<Dim> lowest = lowest_, highest = highest_;

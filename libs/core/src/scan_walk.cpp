@@ -10,8 +10,8 @@
 namespace superray {
 namespace {
 
-/// Rays that repay a thread.
-constexpr std::size_t kRaysPerShare = 256;
+/// Rays, blocks to add that repay a thread.
+constexpr std::size_t kRaysPerShare = 256, kBlocksPerShare = 512;
 
 /// Parts of a sorted scan per thread, at least. Of others one each: threads that are
 /// done help with the others' rays.
@@ -38,21 +38,37 @@ struct EndOfWalk {
 /// What becomes of blocks that the sum has no counts of.
 enum class NewBlocks { copied, borrowed };
 
-/// Adds the counts of `from` to those of `to`.
+/// Adds the counts of `from` to those of `to`, in up to `threads` threads.
 template <int Dim>
-void mergeInto(WalkState<Dim>& to, const WalkState<Dim>& from, NewBlocks newBlocks) {
-    for (std::size_t b = 0; b < from.batch.blockCount(); ++b) {
-        const BlockKey<Dim>& key = from.batch.key(b);
-        const std::uint8_t* const hits = from.batch.hits(b);
-        std::optional<std::uint32_t> own = to.ownBatchBlock(key);
-        if (!own && newBlocks == NewBlocks::borrowed) {
-            to.batch.borrowBlock(key, from.batch.misses(b), hits);
-            continue;
+void mergeInto(WalkState<Dim>& to, const WalkState<Dim>& from, NewBlocks newBlocks,
+               std::size_t threads) {
+    const std::size_t blocks = from.batch.blockCount();
+    const std::size_t shares = shareCountFor(blocks, kBlocksPerShare, threads);
+    const auto addTo = [&](std::uint32_t own, std::size_t b) {
+        add<Dim>(to.batch.missesOf(own), from.batch.misses(b));
+        if (const std::uint8_t* const hits = from.batch.hits(b))
+            add<Dim>(to.batch.hitsOf(own), hits);
+    };
+    std::vector<std::vector<std::size_t>> left(shares);  // those that need memory
+    inParallel(shares, [&](std::size_t share) {
+        const std::size_t end = shareBegin(blocks, share + 1, shares);
+        for (std::size_t b = shareBegin(blocks, share, shares); b < end; ++b) {
+            const auto own = to.ownBatchBlock(from.batch.key(b));
+            if (own && (from.batch.hits(b) == nullptr || to.batch.hits(*own) != nullptr))
+                addTo(*own, b);
+            else
+                left[share].push_back(b);
         }
-        if (!own) own = to.batchBlock(key);
-        add<Dim>(to.batch.missesOf(*own), from.batch.misses(b));
-        if (hits != nullptr) add<Dim>(to.batch.hitsOf(*own), hits);
-    }
+    });
+    for (const auto& some : left)
+        for (const std::size_t b : some) {
+            const BlockKey<Dim>& key = from.batch.key(b);
+            const auto own = to.ownBatchBlock(key);
+            if (own || newBlocks == NewBlocks::copied)
+                addTo(own ? *own : to.batchBlock(key), b);
+            else
+                to.batch.borrowBlock(key, from.batch.misses(b), from.batch.hits(b));
+        }
     to.traversed += from.traversed;
 }
 
@@ -63,8 +79,7 @@ void ScanWalk<Dim>::begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& ext
                           unsigned threads) {
     rays_ = &rays;
     blocks_ = extent.blocks();
-    shareCount_ =
-        std::max<std::size_t>(1, std::min<std::size_t>(threads, rays.size() / kRaysPerShare));
+    shareCount_ = shareCountFor(rays.size(), kRaysPerShare, threads);
     if (shares_.size() < shareCount_) shares_.resize(shareCount_);
     for (Share& share : shares_) share.culled = 0;
 }
@@ -204,7 +219,8 @@ template <int Dim>
 const WalkState<Dim>& ScanWalk<Dim>::finish() {
     for (std::size_t s = 1; s < shareCount_; ++s)
         mergeInto(shares_[0].state, shares_[s].state,
-                  s + 1 == shareCount_ ? NewBlocks::borrowed : NewBlocks::copied);
+                  s + 1 == shareCount_ ? NewBlocks::borrowed : NewBlocks::copied,
+                  shareCount_);
     return shares_[0].state;
 }
 

@@ -17,8 +17,9 @@ using grid::Pending;
 
 /// Blocks that repay a thread, and that one thread makes before it folds them.
 constexpr std::size_t kBlocksPerShare = 512, kBlocksAtOnce = 16;
-/// Blocks that threads fold at once.
-constexpr std::size_t kBlocksOfThreads = 1 << 14;
+/// Blocks that a thread folds before others may be made: what it has found of them stays
+/// in the cache, and waiting for the other threads takes little in comparison.
+constexpr std::size_t kBlocksOfThread = 1 << 10;
 
 }  // namespace
 
@@ -63,19 +64,17 @@ void BlockGrid<Dim>::swapContents(OccupancyMap<Dim>& other) {
 template <int Dim>
 void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& model,
                            UpdatePolicy policy, unsigned threads) {
-    for (std::size_t b = 0; b < batch.blockCount(); ++b)
-        requireAddressableBlock<Dim>(batch.key(b));
+    requireAddressableBlocks(batch);
     impl_->useClamp(model.min());
 
     const FoldModel foldModel(model, policy);
     const FoldVersion& fold = foldForThisCpu();
-    const std::size_t shares = std::max<std::size_t>(
-        1, std::min<std::size_t>(threads, batch.blockCount() / kBlocksPerShare));
+    const std::size_t shares = shareCountFor(batch.blockCount(), kBlocksPerShare, threads);
     std::vector<typename Impl::Left>& left = impl_->left;
     left.resize(std::max(shares, left.size()));
     // New blocks and layers get their numbers from one thread, some blocks ahead of the
     // folding, so that what it has just read is still in the cache.
-    const std::size_t step = shares == 1 ? kBlocksAtOnce : kBlocksOfThreads;
+    const std::size_t step = shares == 1 ? kBlocksAtOnce : shares * kBlocksOfThread;
     for (std::size_t first = 0; first < batch.blockCount(); first += step) {
         const std::size_t last = std::min(batch.blockCount(), first + step);
         impl_->pending.resize(last - first);

@@ -49,8 +49,7 @@ class TreeApply {
 
     void run(unsigned threads) {
         const std::size_t shares =
-            std::max<std::size_t>(1, std::min<std::size_t>(Nodes::kParallel ? threads : 1,
-                                                           blocks_.size() / kBlocksPerShare));
+            shareCountFor(blocks_.size(), kBlocksPerShare, Nodes::kParallel ? threads : 1);
         if constexpr (Nodes::kParallel) {
             if (shares > 1) return runParallel(shares);
         }

@@ -29,8 +29,7 @@ class TreeStorage {
 
     void apply(const UpdateBatch<Dim>& batch, const SensorModel& model, UpdatePolicy policy,
                unsigned threads) {
-        for (std::size_t b = 0; b < batch.blockCount(); ++b)
-            requireAddressableBlock<Dim>(batch.key(b));
+        requireAddressableBlocks(batch);
         // Whatever stops the update, nothing stale is kept.
         struct Guard {
             SaturationCache<Dim>& cache;

@@ -34,6 +34,16 @@ void requireAddressableBlock(const BlockKey<Dim>& key) {
     require(key, kBlockLimit, "block");
 }
 
+template <int Dim>
+void requireAddressableBlocks(const UpdateBatch<Dim>& batch) {
+    bool all = true;
+    for (std::size_t b = 0; b < batch.blockCount(); ++b)
+        for (const std::int32_t k : batch.key(b)) all &= k >= -kBlockLimit && k < kBlockLimit;
+    if (all) return;
+    for (std::size_t b = 0; b < batch.blockCount(); ++b)
+        requireAddressableBlock<Dim>(batch.key(b));
+}
+
 float storedValue(float value) {
     if (!std::isfinite(value))
         throw std::invalid_argument("log-odds of a cell must be finite, got " +
@@ -45,5 +55,7 @@ template void requireAddressableCell<2>(const Cell<2>&);
 template void requireAddressableCell<3>(const Cell<3>&);
 template void requireAddressableBlock<2>(const BlockKey<2>&);
 template void requireAddressableBlock<3>(const BlockKey<3>&);
+template void requireAddressableBlocks<2>(const UpdateBatch<2>&);
+template void requireAddressableBlocks<3>(const UpdateBatch<3>&);
 
 }  // namespace superray

@@ -3,6 +3,7 @@
 /// What every storage demands of cells and values written to it.
 
 #include <superray/core/block.h>
+#include <superray/core/update_batch.h>
 
 namespace superray {
 
@@ -28,6 +29,9 @@ void requireAddressableCell(const Cell<Dim>& cell);
 /// \throws std::out_of_range naming the block and the range
 template <int Dim>
 void requireAddressableBlock(const BlockKey<Dim>& key);
+/// The same for all blocks of a batch.
+template <int Dim>
+void requireAddressableBlocks(const UpdateBatch<Dim>& batch);
 
 /// The value as it is stored: -0 becomes +0, so that equal values have equal
 /// bits (trees merge children that compare equal).

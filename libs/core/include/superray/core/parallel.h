@@ -2,6 +2,7 @@
 /// \file parallel.h
 /// Work in several threads.
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 
@@ -10,6 +11,12 @@ namespace superray {
 /// First of `n` things that belong to a share, of `shares` about equal ones.
 inline std::size_t shareBegin(std::size_t n, std::size_t share, std::size_t shares) {
     return n * share / shares;
+}
+
+/// How many shares `n` things are worth, if `perShare` of them repay a thread: at least 1,
+/// at most `threads`. \pre threads > 0
+inline std::size_t shareCountFor(std::size_t n, std::size_t perShare, std::size_t threads) {
+    return std::max<std::size_t>(1, std::min(threads, n / perShare));
 }
 
 /// Runs work(share) for the shares 0 .. shares-1, in this thread and in others that the
