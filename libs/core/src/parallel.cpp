@@ -28,8 +28,7 @@ void forEach(const std::vector<std::size_t>& shares, const Work& work) {
 
 }  // namespace
 
-void inParallel(std::size_t shares, const std::function<void(std::size_t)>& work) {
-    if (shares == 1) return work(0);
+void inThreads(std::size_t shares, const std::function<void(std::size_t)>& work) {
     std::vector<std::size_t> numbers(shares);
     std::iota(numbers.begin(), numbers.end(), std::size_t{0});
     // An exception that leaves a parallel algorithm ends the program.

@@ -32,7 +32,8 @@ struct IntegratorOptions {
     /// Super-ray threshold k: end cells with fewer points are not grouped
     /// (paper Sec. IV-A3; its experiments use 20).
     std::uint32_t superRayThreshold = 20;
-    /// Threads that walk rays; >= 1. The result does not depend on it.
+    /// Threads that walk rays; >= 1, and more than processors do not help. The result
+    /// does not depend on it.
     unsigned threads = 1;
     /// \throws std::invalid_argument naming the option and the rule
     void validate() const;
