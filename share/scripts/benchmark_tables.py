@@ -192,13 +192,16 @@ def compare_tables(documents):
             for engine in ("grid", "octree"):
                 single, double = c.get(engine), c.get(engine, 2)
                 if not single or not double:
-                    row += ["-"] * 4
+                    row += ["-"] * 5
                     continue
+                copies = c.get(f"{engine}-copies", 2)
                 row += [number(single["ms_per_scan"]), number(double["ms_per_scan"]),
                         number(single["ms_per_scan"] / double["ms_per_scan"]),
+                        number(2 * single["ms_per_scan"] / copies["ms_per_scan"])
+                        if copies else "-",
                         "yes" if single["digest"] == double["digest"] else "NO"]
             rows.append(row)
-        columns = ["1 thread", "2 threads", "times", "same map"]
+        columns = ["1 thread", "2 threads", "times", "of two maps at once", "same map"]
         out += ["### Two threads: elapsed time per scan [ms]",
                 table(["data"] + [f"{e} {c}" for e in ("grid", "octree") for c in columns],
                       rows)]

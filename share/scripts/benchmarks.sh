@@ -29,9 +29,9 @@ mkdir -p "$out"
 
 # compare NAME INPUT RESOLUTIONS SCANS FEW: few maps a process, so that they do not
 # compete for memory more than they must: our maps against octomap with one thread,
-# our grid against MRPT's, all methods, two threads; of few scans, for that takes
-# octomap's time again and again, all of MRPT's maps, and the policy that equals
-# octomap's.
+# our grid against MRPT's, all methods, two threads (and two maps at once, which is
+# what they could reach); of few scans, for that takes octomap's time again and again,
+# all of MRPT's maps, and the policy that equals octomap's.
 compare() {
     local name=$1 input=$2 resolutions=$3 scans=$4 few=$5 run
     echo "=== $name, $resolutions m" >&2
@@ -40,7 +40,7 @@ compare() {
         [grid3d]=mrpt-grid3d,grid
         [grid]=grid,grid-perRay,grid-superRays,grid-culling,grid-full
         [octree]=octree,octree-perRay,octree-culling
-        [threads]=grid,octree
+        [threads]=grid,octree,grid-copies,octree-copies
         [peers]=octomap,mrpt-octomap,mrpt-grid3d,grid
         [once]=octomap,grid,octree)
     local -A more=([threads]="--threads 1,2" [once]="--policy oncePerScan")

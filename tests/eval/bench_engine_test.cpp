@@ -40,7 +40,8 @@ TEST(BenchEngines, areListedByName) {
     for (const char* name : {"octomap", "octomap-rays", "mrpt-octomap", "mrpt-grid3d", "grid",
                              "grid-perRay", "grid-superRays", "grid-culling", "grid-full",
                              "grid-reference", "octree", "octree-perRay", "octree-superRays",
-                             "octree-culling", "octree-full", "octree-reference"})
+                             "octree-culling", "octree-full", "octree-reference",
+                             "grid-copies", "octree-copies"})
         EXPECT_EQ(names.count(name), 1u) << name;
     const auto message = messageOf<InputError>([] { benchEngine("octo"); });
     EXPECT_NE(message.find("'octo'"), std::string::npos);
@@ -108,7 +109,24 @@ TEST(BenchEngines, allMapTheSamePlace) {
         }
         ++engines;
     }
-    EXPECT_GE(engines, 16);
+    EXPECT_GE(engines, 18);
+}
+
+TEST(BenchEngines, copiesAreIndependentMaps) {
+    TempFolder folder;
+    const PointScans scans = smallScans(folder / "");
+    auto options = optionsFor(scans, UpdatePolicy::everyRay);
+    for (const std::string name : {"grid", "octree"}) {
+        const auto one = benchEngine(name).make(options);
+        options.threads = 3;
+        const auto three = benchEngine(name + "-copies").make(options);
+        options.threads = 1;
+        insertAll(*one, scans);
+        insertAll(*three, scans);
+        EXPECT_EQ(three->digest(), one->digest());
+        EXPECT_EQ(three->mapBytes(), 3 * one->mapBytes());
+        EXPECT_EQ(three->work().rays, one->work().rays);
+    }
 }
 
 TEST(BenchEngines, reportTheirWork) {

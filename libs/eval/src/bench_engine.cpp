@@ -13,7 +13,7 @@ BenchEngineList& registry() {
     static BenchEngineList list = [] {
         BenchEngineList all;
         for (const auto add : {listOctomapEngine, listOctomapRaysEngine, listMrptOctomapEngine,
-                               listMrptGrid3dEngine, listSuperrayEngines})
+                               listMrptGrid3dEngine, listSuperrayEngines, listCopiesEngines})
             add(all);
         return all;
     }();

@@ -14,6 +14,7 @@ void listOctomapRaysEngine(BenchEngineList& list);
 void listMrptOctomapEngine(BenchEngineList& list);
 void listMrptGrid3dEngine(BenchEngineList& list);
 void listSuperrayEngines(BenchEngineList& list);
+void listCopiesEngines(BenchEngineList& list);
 
 /// The peers' parameters: those of SensorProbabilities.
 template <class Map>
