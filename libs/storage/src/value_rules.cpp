@@ -36,12 +36,8 @@ void requireAddressableBlock(const BlockKey<Dim>& key) {
 
 template <int Dim>
 void requireAddressableBlocks(const UpdateBatch<Dim>& batch) {
-    bool all = true;
     for (std::size_t b = 0; b < batch.blockCount(); ++b)
-        for (const std::int32_t k : batch.key(b)) all &= k >= -kBlockLimit && k < kBlockLimit;
-    if (all) return;
-    for (std::size_t b = 0; b < batch.blockCount(); ++b)
-        requireAddressableBlock<Dim>(batch.key(b));
+        require(batch.key(b), kBlockLimit, "block");
 }
 
 float storedValue(float value) {
