@@ -5,8 +5,10 @@
 #include <superray/eval/trajectory.h>
 
 #include <filesystem>
+#include <thread>
 
 #include "eval/run_program.h"
+#include "slam/busy_threads.h"
 #include "slam/synthetic_room.h"
 
 namespace superray {
@@ -99,9 +101,12 @@ TEST_F(SlamProgram, TheLiveViewNeedsADisplay) {
     EXPECT_NE(result.error.find("DISPLAY is not set"), std::string::npos) << result.error;
 }
 
-TEST_F(SlamProgram, TheLiveViewRunsInAVirtualDisplay) {
+/// With threads that keep the processors busy, MRPT's own thread paints and destroys the
+/// window late: after the program had thought it gone, 23 of 25 times.
+TEST_F(SlamProgram, TheLiveViewRunsInAVirtualDisplayOfABusyMachine) {
     if (std::system("command -v xvfb-run >/dev/null") != 0)
         GTEST_SKIP() << "xvfb-run is not installed: the live view is NOT TESTED";
+    const test::BusyThreads busy(std::thread::hardware_concurrency() + 1);
     const auto result = test::runProgram(
         folder_, "xvfb-run",
         "-a '" SUPERRAY_SLAM_APP "' build " + path("room.rawlog") + " -o " + path("r.tum") +

@@ -6,12 +6,45 @@
 #include <superray/slam/live_view.h>
 #include <superray/slam/slam_output.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <thread>
 
 namespace superray {
 
+namespace {
+
+/// Looks every 10 ms, for 5 s at most, which a window that is never painted would take.
+template <class Condition>
+void waitUntil(Condition&& condition) {
+    for (int i = 0; i < 500 && !condition(); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
+/// MRPT destroys the window in a thread of its own, some time after it has told us so, and
+/// may paint it until then: with the scene and the lock of the CDisplayWindow3D, which is
+/// gone by then if the machine is busy. So the destructor here returns last. The canvas
+/// shares the scene from its first painting until its end, which is how we see both.
+class Display : public mrpt::gui::CDisplayWindow3D {
+ public:
+    Display() : CDisplayWindow3D("superray-slam", 960, 720) {}
+
+    ~Display() override {
+        waitUntil([this] { return !isOpen() || canvasHoldsScene(); });
+        destroyWxWindow();
+        // Painting lets the scene go for a moment before it takes it again.
+        int goneInARow = 0;
+        waitUntil([&] { return (goneInARow = canvasHoldsScene() ? 0 : goneInARow + 1) == 3; });
+    }
+
+ private:
+    bool canvasHoldsScene() const { return m_3Dscene.use_count() > 1; }
+};
+
+}  // namespace
+
 struct LiveView::Window {
-    mrpt::gui::CDisplayWindow3D display{"superray-slam", 960, 720};
+    Display display;
     mrpt::opengl::CSetOfObjects::Ptr map;
     std::uint64_t shownStamp = 0;
 };
