@@ -319,7 +319,6 @@ void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
     const BlockBox<Dim> box{blockOf<Dim>(g.cellOf(scan.lowest())),
                             blockOf<Dim>(g.cellOf(scan.highest()))};
     state.reset(box);
-    state.countMapSaturation(nullptr, SensorModel(), UpdatePolicy::oncePerScan);
     for (std::size_t i = 0; i < scan.size(); ++i) {
         if (i % 3 == 0) continue;
         const RayLine<Dim> line = lineOf(scan, i);
@@ -330,8 +329,8 @@ void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
     const ScanDirections<Dim> d = directionsOf(scan, 5);
     Horizon<Dim> horizon = horizonOf(scan, d);
     SettledRegion<Dim> region;
-    region.reset(box);
-    region.build(g.cellOf(scan.commonOrigin()), state, nullptr, horizon, mostWork);
+    region.reset(box, nullptr, SensorModel(), UpdatePolicy::oncePerScan);
+    region.build(g.cellOf(scan.commonOrigin()), state, horizon, mostWork);
     for (std::size_t i = 0; i < scan.size(); ++i) {
         const RayLine<Dim> line = lineOf(scan, i);
         const std::int32_t from =
@@ -340,7 +339,7 @@ void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
             ++skipped;
             const auto block = state.ownBatchBlock(blockOf<Dim>(c));
             ASSERT_TRUE(block);
-            ASSERT_GE(state.batch.misses(*block)[indexInBlock<Dim>(c)], state.enough);
+            ASSERT_GE(state.batch.misses(*block)[indexInBlock<Dim>(c)], 1u);
         });
         if (::testing::Test::HasFatalFailure()) return;
         left += static_cast<std::size_t>(line.slices() - from);
@@ -373,10 +372,8 @@ TYPED_TEST(HorizonOf, KernelsGiveTheSameEndsCountsAndCells) {
         for (const WalkKernels<Dim>& kernels : allKernels<Dim>()) {
             ++kernelsTried;
             WalkState<Dim> expected, got;
-            for (WalkState<Dim>* state : {&expected, &got}) {
-                state->reset(box);
-                state->countMapSaturation(nullptr, SensorModel(), UpdatePolicy::everyRay);
-            }
+            expected.reset(box);
+            got.reset(box);
             const ScanDirections<Dim> ends = directionsOf(scan, 3, kernels);
             ASSERT_EQ(ends.spot, d.spot);
             // Every other ray with the kernel for a few slices, of any length here.

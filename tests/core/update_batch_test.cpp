@@ -37,14 +37,5 @@ TEST(UpdateBatch, LendsAndBorrowsBlocks) {
     EXPECT_FALSE(batch.touched(again).any());
 }
 
-TEST(UpdateBatch, KeepsTheCountsOfNoBlockAtTheGreatest) {
-    UpdateBatch<2> batch;
-    for (int round = 0; round < 2; ++round) {
-        batch.addBlock({0, round});
-        for (int i = 0; i < UpdateBatch<2>::kCells; ++i) ASSERT_EQ(batch.missArena()[i], 255);
-        batch.clear();
-    }
-}
-
 }  // namespace
 }  // namespace superray

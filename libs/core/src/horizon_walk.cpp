@@ -45,12 +45,14 @@ void prefetchEnd(const RayBundle<Dim>& rays, std::size_t ray) {
 
 template <int Dim>
 void HorizonWalk<Dim>::begin(const RayBundle<Dim>& rays, const SaturationSource<Dim>* map,
+                             const SensorModel& model, UpdatePolicy policy,
                              WalkState<Dim>& state) {
     static const WalkKernels<Dim> best = bestKernels<Dim>(), portable = portableKernels<Dim>();
     kernels_ = state.directory.dense() ? best : portable;
     rays_ = &rays;
-    map_ = map;
     state_ = &state;
+    state.expect(model, policy);
+    region_.reset(state.directory.box(), map, model, policy);
     culled_ = 0;
     origin_ = RayLine<Dim>::unitsOf(rays.geometry(), rays.commonOrigin());
     for (std::uint32_t kind = 0; kind < waiting_.size(); ++kind)
@@ -69,7 +71,6 @@ void HorizonWalk<Dim>::walk(std::size_t first, std::size_t last) {
     horizon_.completeReach();
     state_->settleSureHits();
 
-    region_.reset(state_->directory.box());
     lookAround(count);
     culled_ += count;
     const bool dense =
@@ -211,7 +212,7 @@ void HorizonWalk<Dim>::chooseTiles(std::size_t first, std::size_t last) {
 
 template <int Dim>
 void HorizonWalk<Dim>::lookAround(std::size_t count) {
-    region_.build(rays_->geometry().cellOf(rays_->commonOrigin()), *state_, map_, horizon_,
+    region_.build(rays_->geometry().cellOf(rays_->commonOrigin()), *state_, horizon_,
                   kWorkPerRay * count);
 }
 

@@ -21,10 +21,9 @@ class HorizonWalk {
  public:
     /// Others may help from now on, until end().
     /// \param map nullptr: none; must outlive the scan
-    /// \pre the rays have the common origin; state.reset() and
-    /// state.countMapSaturation() were called
+    /// \pre the rays have the common origin; state.reset() was called
     void begin(const RayBundle<Dim>& rays, const SaturationSource<Dim>* map,
-               WalkState<Dim>& state);
+               const SensorModel& model, UpdatePolicy policy, WalkState<Dim>& state);
 
     /// Counts what the rays [first, last) have to tell.
     void walk(std::size_t first, std::size_t last);
@@ -57,7 +56,6 @@ class HorizonWalk {
     void walkLanes(RayLanes& lanes, WalkRays<Dim> kernel);
 
     const RayBundle<Dim>* rays_ = nullptr;
-    const SaturationSource<Dim>* map_ = nullptr;
     WalkState<Dim>* state_ = nullptr;
     WalkKernels<Dim> kernels_;
     Units<Dim> origin_{};

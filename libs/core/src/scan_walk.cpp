@@ -148,8 +148,7 @@ void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const Sens
         {
             const EndOfWalk<Dim> atEnd{walk};
             if (!sorting) share.state.reset(blocks_);
-            share.state.countMapSaturation(map, model, policy);
-            walk.begin(rays, map, share.state);
+            walk.begin(rays, map, model, policy, share.state);
             while (const auto part = queue.take(s)) walk.walk(parts_[*part], parts_[*part + 1]);
         }
         for (std::size_t i = 1; i < shareCount_; ++i)
@@ -219,8 +218,7 @@ template <int Dim>
 const WalkState<Dim>& ScanWalk<Dim>::finish() {
     for (std::size_t s = 1; s < shareCount_; ++s)
         mergeInto(shares_[0].state, shares_[s].state,
-                  s + 1 == shareCount_ ? NewBlocks::borrowed : NewBlocks::copied,
-                  shareCount_);
+                  s + 1 == shareCount_ ? NewBlocks::borrowed : NewBlocks::copied, shareCount_);
     return shares_[0].state;
 }
 

@@ -5,18 +5,22 @@
 namespace superray {
 
 template <int Dim>
-void SettledRegion<Dim>::reset(const BlockBox<Dim>& box) {
+void SettledRegion<Dim>::reset(const BlockBox<Dim>& box, const SaturationSource<Dim>* map,
+                               const SensorModel& model, UpdatePolicy policy) {
+    const bool once = policy == UpdatePolicy::oncePerScan;
+    map_ = map;
+    lowerClamp_ = model.min();
+    enough_ = once ? 1 : model.missesToSaturate();
+    enoughUnknown_ = once ? 1 : model.missesToSaturateUnknown();
     directory_.reset(box);
     blocks_.clear();
     build_ = 0;
 }
 
 template <int Dim>
-void SettledRegion<Dim>::build(const Cell<Dim>& sensor, WalkState<Dim>& state,
-                               const SaturationSource<Dim>* map, Horizon<Dim>& horizon,
-                               std::uint64_t mostWork) {
+void SettledRegion<Dim>::build(const Cell<Dim>& sensor, const WalkState<Dim>& state,
+                               Horizon<Dim>& horizon, std::uint64_t mostWork) {
     state_ = &state;
-    map_ = map;
     horizon_ = &horizon;
     ++build_;
     work_ = 0;
@@ -70,20 +74,16 @@ bool SettledRegion<Dim>::enter(Block& block) {
 template <int Dim>
 void SettledRegion<Dim>::findSettled(Block& block) {
     static const AtLeast<Dim> atLeast = bestKernels<Dim>().atLeast;
-    const std::uint32_t number = state_->directory.number(block.key);
-    if (number == WalkState<Dim>::kNoCounts) {
-        block.settled.words.fill(~std::uint64_t{0});
-    } else if (number != 0) {
-        const std::uint32_t needed =
-            number & WalkState<Dim>::kMayExceedUnknown ? state_->enough : state_->enoughUnknown;
-        block.settled =
-            atLeast(state_->batch.missArena() + WalkState<Dim>::offset(number), needed);
-    } else {
-        if (!block.knowsMap && map_ != nullptr)
-            block.saturated = map_->saturation(block.key, state_->lowerClamp()).saturatedFree;
-        block.knowsMap = true;
-        block.settled = block.saturated;
-    }
+    if (!block.knowsMap && map_ != nullptr)
+        block.inMap = map_->saturation(block.key, lowerClamp_);
+    block.knowsMap = true;
+    block.settled = block.inMap.saturatedFree;
+    const auto counted = state_->ownBatchBlock(block.key);
+    if (!counted || block.settled.all()) return;
+    const BlockMask<Dim> missed =
+        atLeast(state_->batch.misses(*counted),
+                block.inMap.mayExceedUnknown ? enough_ : enoughUnknown_);
+    for (int w = 0; w < BlockMask<Dim>::kWords; ++w) block.settled.words[w] |= missed.words[w];
 }
 
 /// Spreads the region in a block and to its neighbours.

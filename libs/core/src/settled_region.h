@@ -21,16 +21,17 @@ namespace superray {
 template <int Dim>
 class SettledRegion {
  public:
-    /// Begins a scan (or a part of one).
-    void reset(const BlockBox<Dim>& box);
+    /// Begins a scan.
+    /// \param map nullptr: none; must outlive the scan
+    void reset(const BlockBox<Dim>& box, const SaturationSource<Dim>* map,
+               const SensorModel& model, UpdatePolicy policy);
 
     /// Finds the region, nearest blocks first, and notes in the horizon the open
     /// cells beside it that rays reach.
-    /// \param map may be nullptr
     /// \param mostWork where about so much work is done, the region ends: the cells
     ///        beside it are noted as if they were open
-    void build(const Cell<Dim>& sensor, WalkState<Dim>& state, const SaturationSource<Dim>* map,
-               Horizon<Dim>& horizon, std::uint64_t mostWork);
+    void build(const Cell<Dim>& sensor, const WalkState<Dim>& state, Horizon<Dim>& horizon,
+               std::uint64_t mostWork);
 
     /// Work of the last build(), about as many times as long as visiting a cell
     /// of a ray.
@@ -40,10 +41,11 @@ class SettledRegion {
     struct Block {
         BlockKey<Dim> key;
         BlockMask<Dim> settled, reached, open;
-        BlockMask<Dim> noted;      // of `open`, in the horizon
-        BlockMask<Dim> saturated;  // by the map; once known
-        std::uint32_t build = 0;   // the last one that came here
-        bool queued = false, relevant = false, knowsMap = false;
+        BlockMask<Dim> noted;     // of `open`, in the horizon
+        std::uint32_t build = 0;  // the last one that came here
+        bool queued = false, relevant = false;
+        bool knowsMap = false;  // what of the map follows:
+        BlockSaturation<Dim> inMap;
     };
 
     std::uint32_t blockAt(const BlockKey<Dim>& key);
@@ -58,7 +60,11 @@ class SettledRegion {
     std::vector<std::uint32_t> queue_, visited_;
     std::uint32_t build_ = 0;
     std::uint64_t work_ = 0, mostWork_ = 0;
-    WalkState<Dim>* state_ = nullptr;
+    const WalkState<Dim>* state_ = nullptr;
+    float lowerClamp_ = 0;
+    // Misses beyond which more change nothing, wherever; in blocks of the map that are
+    // nowhere more likely occupied than unknown.
+    std::uint32_t enough_ = 0, enoughUnknown_ = 0;
     const SaturationSource<Dim>* map_ = nullptr;
     Horizon<Dim>* horizon_ = nullptr;
 };

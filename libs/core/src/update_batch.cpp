@@ -1,15 +1,8 @@
 #include <superray/core/update_batch.h>
 
-#include <algorithm>
 #include <stdexcept>
 
 namespace superray {
-
-template <int Dim>
-UpdateBatch<Dim>::UpdateBatch() {
-    misses_.append(kCells);
-    std::fill_n(misses_.data(), kCells, std::uint8_t{kMaxCount});
-}
 
 template <int Dim>
 BlockMask<Dim> UpdateBatch<Dim>::touched(std::size_t block) const {
@@ -47,7 +40,7 @@ void UpdateBatch<Dim>::clear() {
     keys_.clear();
     borrowed_.clear();
     hitSlots_.clear();
-    misses_.shrink(kCells);
+    misses_.shrink(0);
     hits_.shrink(0);
 }
 

@@ -47,8 +47,7 @@ class AddressBuffer {
 /// into the batch's miss counts) to `addresses`; flush() counts them.
 template <int Dim>
 struct WalkState {
-    /// Block -> where its counts are: offset / kBlockCells + 1 (bits 0..30).
-    /// Number 1 is that of blocks without counts of their own.
+    /// Block -> its index in the batch + 1.
     BlockDirectory<Dim> directory;
     UpdateBatch<Dim> batch;
     AddressBuffer addresses;
@@ -60,20 +59,10 @@ struct WalkState {
         hitBlocks_.clear();
         listed_.clear();
         traversed = 0;
-        map_ = nullptr;
     }
-    /// From now on, new blocks start with the greatest count where the map is
-    /// saturated free: more misses change nothing there, and a count tells both
-    /// what the map and what this scan has saturated. Blocks that are saturated
-    /// as a whole get no counts of their own.
-    /// \param map nullptr: none; must outlive the scan
-    void countMapSaturation(const SaturationSource<Dim>* map, const SensorModel& model,
-                            UpdatePolicy policy) {
-        map_ = map;
-        lowerClamp_ = model.min();
+    /// Until the next reset(), hits beyond those that this needs are not counted.
+    void expect(const SensorModel& model, UpdatePolicy policy) {
         const bool once = policy == UpdatePolicy::oncePerScan;
-        enough = once ? 1 : model.missesToSaturate();
-        enoughUnknown = once ? 1 : model.missesToSaturateUnknown();
         sureHits_ = static_cast<std::uint8_t>(once ? 1 : model.hitsToSaturate());
     }
     /// Hit counts of a block, which is made on first use.
@@ -82,8 +71,8 @@ struct WalkState {
     /// for if it has no counts yet. \pre the directory is dense
     template <typename KeyOf>
     std::uint8_t* hitsOf(std::uint32_t index, const KeyOf& keyOf) {
-        const std::uint32_t n = directory.data()[index] & ~kMayExceedUnknown;
-        return hitsOf(n < kFirstBlock ? batchBlock(keyOf()) : n - kFirstBlock);
+        const std::uint32_t n = directory.data()[index];
+        return hitsOf(n == 0 ? batchBlock(keyOf()) : n - 1);
     }
     /// Whether more hits change nothing.
     bool sureHit(std::uint8_t hits) const { return hits >= sureHits_; }
@@ -101,44 +90,28 @@ struct WalkState {
         }
         hitBlocks_.clear();
     }
-    /// Misses beyond which more change nothing, in blocks whose number has the
-    /// flag kMayExceedUnknown and in others.
-    static constexpr std::uint32_t kMayExceedUnknown = std::uint32_t{1} << 31;
-    /// Number of blocks that are saturated as a whole.
-    static constexpr std::uint32_t kNoCounts = 1;
-    std::uint32_t enough = 0, enoughUnknown = 0;
-    float lowerClamp() const { return lowerClamp_; }
-
     /// Offset of a block's miss counts in the arena; the block is made on first use.
     std::uint32_t offsetOf(const BlockKey<Dim>& key) { return offset(numberOf(key)); }
     /// The block's number in the directory, made on first use.
     std::uint32_t numberOf(const BlockKey<Dim>& key) {
         const std::uint32_t n = directory.number(key);
-        return n != 0 ? n : makeBlock(key);
+        if (n != 0) return n;
+        const std::uint32_t made = batch.addBlock(key) + 1;
+        directory.setNumber(key, made);
+        return made;
     }
-    /// Offset of the counts that a directory number stands for (the flag drops
-    /// out of the product). \pre number != 0
+    /// Offset of the counts that a directory number stands for. \pre number != 0
     static std::uint32_t offset(std::uint32_t number) {
         return (number - 1) * static_cast<std::uint32_t>(kBlockCells<Dim>);
     }
-    /// Batch block of a block with counts of its own; nothing for others.
+    /// Batch block of a block with counts; nothing for others.
     std::optional<std::uint32_t> ownBatchBlock(const BlockKey<Dim>& key) const {
-        const std::uint32_t n = directory.number(key) & ~kMayExceedUnknown;
-        if (n < kFirstBlock) return std::nullopt;
-        return n - kFirstBlock;
+        const std::uint32_t n = directory.number(key);
+        if (n == 0) return std::nullopt;
+        return n - 1;
     }
-    /// Batch block of a block, which gets counts of its own if it had none.
-    std::uint32_t batchBlock(const BlockKey<Dim>& key) {
-        std::uint32_t n = numberOf(key) & ~kMayExceedUnknown;
-        if (n == kNoCounts) {
-            const std::uint32_t block = batch.addBlock(key);
-            std::uint8_t* counts = batch.missesOf(block);
-            std::fill(counts, counts + kBlockCells<Dim>,
-                      std::uint8_t{UpdateBatch<Dim>::kMaxCount});
-            directory.setNumber(key, n = block + kFirstBlock);
-        }
-        return n - kFirstBlock;
-    }
+    /// Batch block of a block, made on first use.
+    std::uint32_t batchBlock(const BlockKey<Dim>& key) { return numberOf(key) - 1; }
     /// Adds `weight` to every address and forgets them.
     void flush(std::uint32_t weight) {
         std::uint8_t* counts = batch.missArena();
@@ -166,8 +139,6 @@ struct WalkState {
     }
 
  private:
-    static constexpr std::uint32_t kFirstBlock = 2;
-
     /// Hit counts of a block of the batch.
     std::uint8_t* hitsOf(std::uint32_t block) {
         if (block >= listed_.size()) listed_.resize(batch.blockCount());
@@ -175,37 +146,7 @@ struct WalkState {
         listed_[block] = true;
         return batch.hitsOf(block);
     }
-    std::uint32_t makeBlock(const BlockKey<Dim>& key) {
-        BlockSaturation<Dim> before;
-        if (map_ != nullptr) before = map_->saturation(key, lowerClamp_);
-        if (before.saturatedFree.all()) {
-            directory.setNumber(key, kNoCounts);
-            return kNoCounts;
-        }
-        const std::uint32_t block = batch.addBlock(key);
-        if (before.saturatedFree.any()) {
-            std::uint8_t* counts = batch.missesOf(block);
-            for (int row = 0; row < kBlockCells<Dim> / 8; ++row)
-                spreadBits(before.saturatedFree.words[row / 8] >> (8 * (row % 8)),
-                           counts + 8 * row);
-        }
-        const std::uint32_t number =
-            (block + kFirstBlock) | (before.mayExceedUnknown ? kMayExceedUnknown : 0);
-        directory.setNumber(key, number);
-        return number;
-    }
-    /// Bytes of 255 where the low 8 bits are set.
-    static void spreadBits(std::uint64_t bits, std::uint8_t* bytes) {
-        constexpr std::uint64_t kEach = 0x0101010101010101;
-        // Bit i to byte i, then any set bit of a byte to all of its bits.
-        const std::uint64_t one = ((bits & 0xFF) * kEach & 0x8040201008040201);
-        const std::uint64_t set = ((one + 0x7F7F7F7F7F7F7F7F) | one) >> 7 & kEach;
-        const std::uint64_t all = set * 255;
-        std::memcpy(bytes, &all, sizeof all);
-    }
 
-    const SaturationSource<Dim>* map_ = nullptr;
-    float lowerClamp_ = 0;
     std::uint8_t sureHits_ = 0;
     std::vector<std::uint32_t> hitBlocks_;  // got hits since settleSureHits()
     std::vector<bool> listed_;              // there, per block of the batch

@@ -211,7 +211,6 @@ BlockSaturation<Dim> BlockGrid<Dim>::saturation(const BlockKey<Dim>& key,
     BlockSaturation<Dim> result;
     const auto place = impl_->table.find(key);
     if (place == impl_->table.kNowhere) return result;
-    impl_->fetchNeighbours(key, place);
     const Block* block = impl_->at(place);
     if (!block) return result;
     if (block->payload == kUniform) {

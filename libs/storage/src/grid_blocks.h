@@ -161,15 +161,6 @@ struct Blocks {
         });
     }
 
-    /// Asks the memory for the saturated cells of a block's neighbours: a scan that asks
-    /// for this block will soon ask for them.
-    void fetchNeighbours(const BlockKey<Dim>& key, Place place) const {
-        Table::forEachNeighbour(key, place, [&](Place neighbour) {
-            const std::uint32_t payload = table[neighbour].payload;
-            if (payload < kUniform) __builtin_prefetch(&payloads[payload].saturated);
-        });
-    }
-
     /// Asks the memory for what findFor() will read of a block.
     void fetch(Place place) const {
         const Block* const block = at(place);

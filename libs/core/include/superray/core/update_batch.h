@@ -18,8 +18,6 @@ namespace superray {
 template <int Dim>
 class UpdateBatch {
  public:
-    UpdateBatch();
-
     static constexpr int kCells = kBlockCells<Dim>;
     static constexpr std::uint32_t kMaxCount = 255;
 
@@ -45,8 +43,7 @@ class UpdateBatch {
     /// All hit counts: hitsOf() points into it until the next block gets some.
     std::uint8_t* hitArena() { return hits_.data(); }
     std::uint8_t* missesOf(std::uint32_t block) { return misses_.data() + slot(block); }
-    /// All miss counts, for walks: first those of no block, which are all
-    /// kMaxCount (misses of blocks that need none go there), then block by block.
+    /// All miss counts, block by block, for walks.
     std::uint8_t* missArena() { return misses_.data(); }
     /// Appends a block with counts that another batch keeps. No block can be
     /// added afterwards. \param hits may be nullptr
@@ -60,7 +57,7 @@ class UpdateBatch {
     std::size_t memoryBytes() const;
 
  private:
-    static std::size_t slot(std::size_t block) { return (block + 1) * kCells; }
+    static std::size_t slot(std::size_t block) { return block * kCells; }
     std::size_t hitSlot(std::size_t block) const {
         return static_cast<std::size_t>(hitSlots_[block]) * kCells;
     }
