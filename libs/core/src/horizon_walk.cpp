@@ -14,9 +14,6 @@ constexpr double kWorthIt = 4;
 /// the sensor's order find less in the cache.
 constexpr double kDense = 3.5;
 
-/// A sample must spare the other rays at least a quarter of their slices.
-constexpr double kRepays = 0.75;
-
 /// Most work of looking around, per ray: about what it takes to walk a ray through
 /// as many cells.
 constexpr std::size_t kWorkPerRay = 4;
@@ -44,17 +41,17 @@ void prefetchEnd(const RayBundle<Dim>& rays, std::size_t ray) {
 }  // namespace
 
 template <int Dim>
-void HorizonWalk<Dim>::begin(const RayBundle<Dim>& rays, const SaturationSource<Dim>* map,
-                             const SensorModel& model, UpdatePolicy policy,
-                             WalkState<Dim>& state) {
+void HorizonWalk<Dim>::begin(const HorizonScan<Dim>& scan, WalkState<Dim>& state) {
     static const WalkKernels<Dim> best = bestKernels<Dim>(), portable = portableKernels<Dim>();
     kernels_ = state.directory.dense() ? best : portable;
-    rays_ = &rays;
+    rays_ = &scan.rays;
     state_ = &state;
-    state.expect(model, policy);
-    region_.reset(state.directory.box(), map, model, policy);
+    state.expect(scan.model, scan.policy);
+    region_.reset(state.directory.box(), scan.map, scan.model, scan.policy);
+    sampling_ = scan.sampling;
+    sampleEffect_ = {};
     culled_ = 0;
-    origin_ = RayLine<Dim>::unitsOf(rays.geometry(), rays.commonOrigin());
+    origin_ = RayLine<Dim>::unitsOf(rays_->geometry(), rays_->commonOrigin());
     for (std::uint32_t kind = 0; kind < waiting_.size(); ++kind)
         for (RayLanes& lanes : waiting_[kind]) lanes.kind = kind;
     list_->open();
@@ -73,17 +70,7 @@ void HorizonWalk<Dim>::walk(std::size_t first, std::size_t last) {
 
     lookAround(count);
     culled_ += count;
-    const bool dense =
-        static_cast<double>(count) > kDense * static_cast<double>(horizon_.tilesWithRays());
-    if (dense && sampleRepays_.tryNow() && worthLooking(slicesLeft(count))) {
-        // What the sample saturates, the others are spared.
-        walkSample(count);
-        const double before = slicesLeft(count);
-        if (worthLooking(before)) {
-            lookAround(count);
-            sampleRepays_.learn(slicesLeft(count) < kRepays * before);
-        }
-    }
+    if (sampling_ == Sampling::whereItMayRepay) sample(count);
     walkLast(count);
 }
 
@@ -121,6 +108,23 @@ double HorizonWalk<Dim>::slicesLeft(std::size_t count) const {
 template <int Dim>
 bool HorizonWalk<Dim>::worthLooking(double slices) const {
     return slices > kWorthIt * static_cast<double>(region_.work());
+}
+
+/// Walks some rays and looks around again, for what they saturate, the others are spared.
+template <int Dim>
+void HorizonWalk<Dim>::sample(std::size_t count) {
+    double before = slicesLeft(count);
+    if (!worthLooking(before)) return;
+    double after = before;
+    if (static_cast<double>(count) > kDense * static_cast<double>(horizon_.tilesWithRays())) {
+        walkSample(count);
+        before = after = slicesLeft(count);
+        if (!worthLooking(before)) return;
+        lookAround(count);
+        after = slicesLeft(count);
+    }
+    sampleEffect_.before += before;
+    sampleEffect_.after += after;
 }
 
 /// Walks those of a few rays that have something to tell.

@@ -2,7 +2,6 @@
 // Method `auto`: each ray is walked from where it has something to tell, as far as
 // the map and the rays before it leave something to be told.
 
-#include "attempts.h"
 #include "ray_sample.h"
 #include "settled_region.h"
 #include "shared_list.h"
@@ -14,16 +13,32 @@
 
 namespace superray {
 
+/// Whether some rays of a part are walked before the others, to spare them what these
+/// saturate.
+enum class Sampling { never, whereItMayRepay };
+
+/// A scan, and what a walk must know of the map.
+template <int Dim>
+struct HorizonScan {
+    const RayBundle<Dim>& rays;        ///< with the common origin; must outlive the walk
+    const SaturationSource<Dim>* map;  ///< nullptr: none; must outlive the walk
+    const SensorModel& model;
+    UpdatePolicy policy;
+    Sampling sampling;
+};
+
+/// Slices that were left to walk of all rays where a sample might repay, before and after it.
+struct SampleEffect {
+    double before = 0, after = 0;
+};
+
 /// One thread's part of a scan: begin(), walk() of any number of parts of the rays,
 /// end(); then it may help others.
 template <int Dim>
 class HorizonWalk {
  public:
-    /// Others may help from now on, until end().
-    /// \param map nullptr: none; must outlive the scan
-    /// \pre the rays have the common origin; state.reset() was called
-    void begin(const RayBundle<Dim>& rays, const SaturationSource<Dim>* map,
-               const SensorModel& model, UpdatePolicy policy, WalkState<Dim>& state);
+    /// Others may help from now on, until end(). \pre state.reset() was called
+    void begin(const HorizonScan<Dim>& scan, WalkState<Dim>& state);
 
     /// Counts what the rays [first, last) have to tell.
     void walk(std::size_t first, std::size_t last);
@@ -37,6 +52,8 @@ class HorizonWalk {
 
     /// Rays that were cut short or left out, since begin().
     std::uint64_t culled() const { return culled_; }
+    /// Of all parts since begin().
+    const SampleEffect& sampleEffect() const { return sampleEffect_; }
 
  private:
     // Numbers of rays are among the part that walk() is at; `count` is its size.
@@ -46,6 +63,7 @@ class HorizonWalk {
     template <Branches branches>
     std::size_t countInTurns(std::size_t at, std::size_t runs);
     void lookAround(std::size_t count);
+    void sample(std::size_t count);
     double slicesLeft(std::size_t count) const;
     bool worthLooking(double slices) const;
     void walkSample(std::size_t count);
@@ -65,7 +83,8 @@ class HorizonWalk {
     std::array<std::uint32_t, RayDirections<Dim>::kMost + RayDirections<Dim>::kSlack>
         starts_;  // of runs in there
     Surprise hitsMatter_;
-    Attempts sampleRepays_;
+    Sampling sampling_{};
+    SampleEffect sampleEffect_;
     ScratchArray<std::uint32_t> spot_;       // per ray
     ScratchArray<std::uint16_t> lastSlice_;  // per ray
     ScratchArray<std::uint32_t> chosen_;     // rays to walk, in turns with others

@@ -19,6 +19,9 @@ constexpr std::size_t kPartsPerShare = 2;
 /// Rays of so many cells repay sorting them by direction.
 constexpr double kLongRay = 64;
 
+/// A sample must spare the other rays at least a quarter of their slices.
+constexpr double kRepays = 0.75;
+
 /// Adds `more` to `sum`, saturating.
 template <int Dim>
 void add(std::uint8_t* sum, const std::uint8_t* more) {
@@ -128,11 +131,30 @@ void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
     });
 }
 
+/// Whether several threads should take rays by direction. Not where a sample may repay,
+/// which spares less to the rays of small parts than to those of large ones.
+template <int Dim>
+bool ScanWalk<Dim>::sortingRepays(Sampling sampling) const {
+    return shareCount_ > 1 && sampling == Sampling::never && goAllAround(*rays_) &&
+           typicalLength(*rays_, 0, rays_->size()) > kLongRay;
+}
+
+template <int Dim>
+void ScanWalk<Dim>::learnFromSample() {
+    SampleEffect sum;
+    for (std::size_t s = 0; s < shareCount_; ++s) {
+        sum.before += shares_[s].horizon.sampleEffect().before;
+        sum.after += shares_[s].horizon.sampleEffect().after;
+    }
+    if (sum.before > 0) sampleRepays_.learn(sum.after < kRepays * sum.before);
+}
+
 template <int Dim>
 void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const SensorModel& model,
                                     UpdatePolicy policy) {
-    const bool sorting = shareCount_ > 1 && goAllAround(*rays_) &&
-                         typicalLength(*rays_, 0, rays_->size()) > kLongRay;
+    const Sampling sampling =
+        sampleRepays_.tryNow() ? Sampling::whereItMayRepay : Sampling::never;
+    const bool sorting = sortingRepays(sampling);
     if (sorting) {
         sortByDirection();
     } else {
@@ -140,7 +162,7 @@ void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const Sens
         for (std::size_t s = 0; s <= shareCount_; ++s)
             parts_.push_back(firstRay(s, rays_->size()));
     }
-    const RayBundle<Dim>& rays = sorting ? *sorted_ : *rays_;
+    const HorizonScan<Dim> scan{sorting ? *sorted_ : *rays_, map, model, policy, sampling};
     ChunkQueue queue(parts_.size() - 1, shareCount_);
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
@@ -148,13 +170,14 @@ void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const Sens
         {
             const EndOfWalk<Dim> atEnd{walk};
             if (!sorting) share.state.reset(blocks_);
-            walk.begin(rays, map, model, policy, share.state);
+            walk.begin(scan, share.state);
             while (const auto part = queue.take(s)) walk.walk(parts_[*part], parts_[*part + 1]);
         }
         for (std::size_t i = 1; i < shareCount_; ++i)
             walk.help(shares_[(s + i) % shareCount_].horizon);
         share.culled += walk.culled();
     });
+    learnFromSample();
 }
 
 /// Threads take parts that go different ways, so that few blocks are counted by

@@ -6,6 +6,7 @@
 #include <superray/core/parallel.h>
 #include <superray/core/super_rays.h>
 
+#include "attempts.h"
 #include "end_cells.h"
 #include "horizon_walk.h"
 #include "ray_walker.h"
@@ -62,6 +63,8 @@ class ScanWalk {
     std::size_t firstRay(std::size_t share, std::size_t rays) const {
         return shareBegin(rays, share, shareCount_);
     }
+    bool sortingRepays(Sampling sampling) const;
+    void learnFromSample();
     void countEndCells();
     void sortByDirection();
     void findKinds(Share& share, std::size_t first, std::size_t last);
@@ -72,6 +75,7 @@ class ScanWalk {
     std::vector<std::size_t> parts_;        // first ray of each, and the end
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
+    Attempts sampleRepays_;
 };
 
 }  // namespace superray
