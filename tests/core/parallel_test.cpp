@@ -26,7 +26,7 @@ TEST(InParallel, TwoSharesCanMeet) {
     // A share that the pool has not begun in time is done afterwards: it may happen that
     // two do not meet, but not always.
     int met = 0;
-    for (int attempt = 0; attempt < 1000 && met == 0; ++attempt) {
+    for (int attempt = 0; attempt < 100 && met == 0; ++attempt) {
         std::atomic<int> here{0};
         std::atomic<bool> both{false};
         inParallel(2, [&](std::size_t) {

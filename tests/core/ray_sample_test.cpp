@@ -1,0 +1,36 @@
+#include "ray_sample.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+namespace superray {
+namespace {
+
+TEST(RaySample, IsSpreadAndDependsOnTheNumberOfRaysOnly) {
+    RaySample used;
+    for (const std::size_t count : {0u, 5000u, 37u, 1u, 100000u, 640u}) {
+        RaySample fresh;
+        const std::vector<std::uint32_t> sample = used.of(count);
+        ASSERT_EQ(sample, fresh.of(count)) << count;
+        ASSERT_EQ(std::adjacent_find(sample.begin(), sample.end(), std::greater_equal<>{}),
+                  sample.end());
+        for (const std::uint32_t ray : sample) ASSERT_LT(ray, count);
+        const double expected = RaySample::kShare * static_cast<double>(count);
+        EXPECT_NEAR(static_cast<double>(sample.size()), expected, 2) << count;
+    }
+    // No column of a depth image is sampled much more than others.
+    constexpr std::uint32_t kColumns = 640, kRows = 480;
+    std::vector<int> perColumn(kColumns);
+    for (const std::uint32_t ray : used.of(kColumns * kRows)) ++perColumn[ray % kColumns];
+    const double mean = RaySample::kShare * kRows;
+    for (const int n : perColumn) {
+        EXPECT_GT(n, 0.5 * mean);
+        EXPECT_LT(n, 1.5 * mean);
+    }
+}
+
+}  // namespace
+}  // namespace superray
