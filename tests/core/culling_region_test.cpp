@@ -7,6 +7,7 @@
 
 #include <unordered_map>
 
+#include "core/dims.h"
 #include "core/ray_generators.h"
 
 namespace superray {
@@ -19,8 +20,7 @@ using Blocks = std::unordered_map<BlockKey<Dim>, BlockMask<Dim>, IndexHash>;
 
 template <typename T>
 class CullingRegionOf : public ::testing::Test {};
-using Dims = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
-TYPED_TEST_SUITE(CullingRegionOf, Dims);
+TYPED_TEST_SUITE(CullingRegionOf, test::Dims);
 
 TYPED_TEST(CullingRegionOf, EqualsItsDefinition) {
     constexpr int Dim = TypeParam::value;

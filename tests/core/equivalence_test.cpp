@@ -8,6 +8,7 @@
 
 #include <cstring>
 
+#include "core/dims.h"
 #include "core/ray_generators.h"
 
 namespace superray {
@@ -60,8 +61,7 @@ constexpr Method kFastMethods[] = {Method::perRay, Method::superRays, Method::cu
 
 template <typename T>
 class Equivalence : public ::testing::Test {};
-using Dims = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
-TYPED_TEST_SUITE(Equivalence, Dims);
+TYPED_TEST_SUITE(Equivalence, test::Dims);
 
 TYPED_TEST(Equivalence, AllMethodsGiveTheReferenceMap) {
     constexpr int Dim = TypeParam::value;

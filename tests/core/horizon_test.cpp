@@ -10,18 +10,8 @@
 #include "core/scan_directions.h"
 #include "settled_region.h"
 
-namespace superray {
+namespace superray::test {
 namespace {
-
-using test::Dims;
-using test::directionsOf;
-using test::forEachScene;
-using test::horizonOf;
-using test::kRays;
-using test::kScans;
-using test::lineOf;
-using test::Random;
-using test::ScanDirections;
 
 template <typename T>
 class HorizonOf : public ::testing::Test {};
@@ -51,7 +41,7 @@ TYPED_TEST(HorizonOf, AnOpenCellIsNotedInTheSpotsOfAllItsRays) {
                 BlockMask<Dim> mask;
                 for (const bool others : {false, true}) {
                     for (int c = 0; others && c < kBlockCells<Dim>; ++c)
-                        if (test::integer(random, 0, 3) > 0) mask.set(c);
+                        if (integer(random, 0, 3) > 0) mask.set(c);
                     mask.set(indexInBlock<Dim>(open));
                     horizon.clear();
                     ASSERT_TRUE(horizon.reaches(blockOf<Dim>(open)));
@@ -170,7 +160,7 @@ void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
     const ScanDirections<Dim> d = directionsOf(scan, 5);
     Horizon<Dim> horizon = horizonOf(scan, d);
     SettledRegion<Dim> region;
-    region.reset(box, nullptr, SensorModel(), UpdatePolicy::oncePerScan);
+    region.reset(box, nullptr, {SensorModel(), UpdatePolicy::oncePerScan});
     region.build(g.cellOf(scan.commonOrigin()), state, horizon, mostWork);
     for (std::size_t i = 0; i < scan.size(); ++i) {
         const RayLine<Dim> line = lineOf(scan, i);
@@ -203,4 +193,4 @@ TYPED_TEST(HorizonOf, NothingThatMattersIsBeforeTheHorizon) {
 }
 
 }  // namespace
-}  // namespace superray
+}  // namespace superray::test

@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "core/dims.h"
 #include "mask_fill.h"
 
 namespace superray {
@@ -12,8 +13,7 @@ namespace {
 
 template <typename T>
 class MaskFill : public ::testing::Test {};
-using Dims = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
-TYPED_TEST_SUITE(MaskFill, Dims);
+TYPED_TEST_SUITE(MaskFill, test::Dims);
 
 template <int Dim>
 BlockMask<Dim> randomMask(std::mt19937_64& random, double share) {

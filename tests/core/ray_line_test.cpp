@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/dims.h"
 #include "core/ray_generators.h"
 
 namespace superray {
@@ -95,8 +96,7 @@ double missDistance(const CellGeometry<Dim>& g, const Point<Dim>& o, const Point
 
 template <typename T>
 class RayLineWalk : public ::testing::Test {};
-using Dims = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
-TYPED_TEST_SUITE(RayLineWalk, Dims);
+TYPED_TEST_SUITE(RayLineWalk, test::Dims);
 
 TYPED_TEST(RayLineWalk, IsConnectedExactAndStartsAnywhere) {
     constexpr int Dim = TypeParam::value;

@@ -8,13 +8,12 @@
 #include <numeric>
 #include <vector>
 
+#include "core/dims.h"
 #include "core/ray_generators.h"
 #include "horizon.h"
 #include "walk_kernel.h"
 
 namespace superray::test {
-
-using Dims = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
 
 inline constexpr int kRays = 3000;
 inline constexpr std::size_t kScans = 2 * std::size(kScenes);

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/dims.h"
 #include "core/ray_generators.h"
 
 namespace superray {
@@ -25,8 +26,7 @@ std::vector<Cell<Dim>> walk(const RayBundle<Dim>& rays, std::size_t i) {
 
 template <typename T>
 class SuperRays : public ::testing::Test {};
-using Dims = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
-TYPED_TEST_SUITE(SuperRays, Dims);
+TYPED_TEST_SUITE(SuperRays, test::Dims);
 
 TYPED_TEST(SuperRays, WeightsOfEqualWalksAddUpToTheScan) {
     constexpr int Dim = TypeParam::value;

@@ -10,18 +10,8 @@
 
 #include "core/scan_directions.h"
 
-namespace superray {
+namespace superray::test {
 namespace {
-
-using test::allKernels;
-using test::Dims;
-using test::directionsOf;
-using test::forEachScene;
-using test::kRays;
-using test::kScans;
-using test::lineOf;
-using test::Random;
-using test::ScanDirections;
 
 template <typename T>
 class WalkKernelsOf : public ::testing::Test {};
@@ -181,7 +171,7 @@ TYPED_TEST(WalkKernelsOf, ChosenAreRaysWithSomethingToTell) {
         std::vector<std::uint16_t> last(count + 16);
         std::vector<std::uint32_t> spot(count);  // chooseRays() reads no more
         const auto number = [&](int most) {
-            return static_cast<std::uint32_t>(test::integer(random, 0, most));
+            return static_cast<std::uint32_t>(integer(random, 0, most));
         };
         for (Opening& o : openings)
             o = number(2) == 0 ? Opening::never()
@@ -213,4 +203,4 @@ TYPED_TEST(WalkKernelsOf, ChosenAreRaysWithSomethingToTell) {
 }
 
 }  // namespace
-}  // namespace superray
+}  // namespace superray::test

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <random>
 
+#include "core/dims.h"
+
 namespace superray::test {
 namespace {
 
@@ -23,9 +25,7 @@ std::uint64_t slowMortonOf(const BlockKey<Dim>& key) {
 
 template <typename T>
 class BlockOrder : public ::testing::Test {};
-using Dimensions =
-    ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
-TYPED_TEST_SUITE(BlockOrder, Dimensions);
+TYPED_TEST_SUITE(BlockOrder, Dims);
 
 TYPED_TEST(BlockOrder, MortonIsInterleavedBitsAndHasAnInverse) {
     constexpr int Dim = TypeParam::value;

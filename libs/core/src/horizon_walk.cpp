@@ -46,8 +46,8 @@ void HorizonWalk<Dim>::begin(const HorizonScan<Dim>& scan, WalkState<Dim>& state
     kernels_ = state.directory.dense() ? best : portable;
     rays_ = &scan.rays;
     state_ = &state;
-    state.expect(scan.model, scan.policy);
-    region_.reset(state.directory.box(), scan.map, scan.model, scan.policy);
+    state.setSureHits(scan.limits.hits);
+    region_.reset(state.directory.box(), scan.map, scan.limits);
     sampling_ = scan.sampling;
     sampleEffect_ = {};
     culled_ = 0;
@@ -111,20 +111,18 @@ bool HorizonWalk<Dim>::worthLooking(double slices) const {
 }
 
 /// Walks some rays and looks around again, for what they saturate, the others are spared.
+/// In scans that are not dense this would spare nothing, which is noted as its effect.
 template <int Dim>
 void HorizonWalk<Dim>::sample(std::size_t count) {
-    double before = slicesLeft(count);
+    if (!worthLooking(slicesLeft(count))) return;
+    const bool dense =
+        static_cast<double>(count) > kDense * static_cast<double>(horizon_.tilesWithRays());
+    if (dense) walkSample(count);
+    const double before = slicesLeft(count);
     if (!worthLooking(before)) return;
-    double after = before;
-    if (static_cast<double>(count) > kDense * static_cast<double>(horizon_.tilesWithRays())) {
-        walkSample(count);
-        before = after = slicesLeft(count);
-        if (!worthLooking(before)) return;
-        lookAround(count);
-        after = slicesLeft(count);
-    }
+    if (dense) lookAround(count);
     sampleEffect_.before += before;
-    sampleEffect_.after += after;
+    sampleEffect_.after += slicesLeft(count);
 }
 
 /// Walks those of a few rays that have something to tell.

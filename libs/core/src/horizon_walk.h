@@ -22,8 +22,7 @@ template <int Dim>
 struct HorizonScan {
     const RayBundle<Dim>& rays;        ///< with the common origin; must outlive the walk
     const SaturationSource<Dim>* map;  ///< nullptr: none; must outlive the walk
-    const SensorModel& model;
-    UpdatePolicy policy;
+    SaturationLimits limits;
     Sampling sampling;
 };
 

@@ -66,9 +66,8 @@ void mergeInto(WalkState<Dim>& to, const WalkState<Dim>& from, NewBlocks newBloc
     for (const auto& some : left)
         for (const std::size_t b : some) {
             const BlockKey<Dim>& key = from.batch.key(b);
-            const auto own = to.ownBatchBlock(key);
-            if (own || newBlocks == NewBlocks::copied)
-                addTo(own ? *own : to.batchBlock(key), b);
+            if (newBlocks == NewBlocks::copied || to.ownBatchBlock(key))
+                addTo(to.batchBlock(key), b);
             else
                 to.batch.borrowBlock(key, from.batch.misses(b), from.batch.hits(b));
         }
@@ -162,7 +161,7 @@ void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const Sens
         for (std::size_t s = 0; s <= shareCount_; ++s)
             parts_.push_back(firstRay(s, rays_->size()));
     }
-    const HorizonScan<Dim> scan{sorting ? *sorted_ : *rays_, map, model, policy, sampling};
+    const HorizonScan<Dim> scan{sorting ? *sorted_ : *rays_, map, {model, policy}, sampling};
     ChunkQueue queue(parts_.size() - 1, shareCount_);
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];

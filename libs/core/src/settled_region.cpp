@@ -6,12 +6,9 @@ namespace superray {
 
 template <int Dim>
 void SettledRegion<Dim>::reset(const BlockBox<Dim>& box, const SaturationSource<Dim>* map,
-                               const SensorModel& model, UpdatePolicy policy) {
-    const bool once = policy == UpdatePolicy::oncePerScan;
+                               const SaturationLimits& limits) {
     map_ = map;
-    lowerClamp_ = model.min();
-    enough_ = once ? 1 : model.missesToSaturate();
-    enoughUnknown_ = once ? 1 : model.missesToSaturateUnknown();
+    limits_ = limits;
     directory_.reset(box);
     blocks_.clear();
     build_ = 0;
@@ -75,14 +72,14 @@ template <int Dim>
 void SettledRegion<Dim>::findSettled(Block& block) {
     static const AtLeast<Dim> atLeast = bestKernels<Dim>().atLeast;
     if (!block.knowsMap && map_ != nullptr)
-        block.inMap = map_->saturation(block.key, lowerClamp_);
+        block.inMap = map_->saturation(block.key, limits_.lowerClamp);
     block.knowsMap = true;
     block.settled = block.inMap.saturatedFree;
     const auto counted = state_->ownBatchBlock(block.key);
     if (!counted || block.settled.all()) return;
     const BlockMask<Dim> missed =
         atLeast(state_->batch.misses(*counted),
-                block.inMap.mayExceedUnknown ? enough_ : enoughUnknown_);
+                block.inMap.mayExceedUnknown ? limits_.misses : limits_.missesOfUnknown);
     for (int w = 0; w < BlockMask<Dim>::kWords; ++w) block.settled.words[w] |= missed.words[w];
 }
 

@@ -3,6 +3,7 @@
 // every direction.
 
 #include "horizon.h"
+#include "saturation_limits.h"
 #include "walk_kernel.h"
 
 #include <memory>
@@ -24,7 +25,7 @@ class SettledRegion {
     /// Begins a scan.
     /// \param map nullptr: none; must outlive the scan
     void reset(const BlockBox<Dim>& box, const SaturationSource<Dim>* map,
-               const SensorModel& model, UpdatePolicy policy);
+               const SaturationLimits& limits);
 
     /// Finds the region, nearest blocks first, and notes in the horizon the open
     /// cells beside it that rays reach.
@@ -61,10 +62,7 @@ class SettledRegion {
     std::uint32_t build_ = 0;
     std::uint64_t work_ = 0, mostWork_ = 0;
     const WalkState<Dim>* state_ = nullptr;
-    float lowerClamp_ = 0;
-    // Misses beyond which more change nothing, wherever; in blocks of the map that are
-    // nowhere more likely occupied than unknown.
-    std::uint32_t enough_ = 0, enoughUnknown_ = 0;
+    SaturationLimits limits_;
     const SaturationSource<Dim>* map_ = nullptr;
     Horizon<Dim>* horizon_ = nullptr;
 };

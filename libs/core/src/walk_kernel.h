@@ -13,9 +13,7 @@
 #include "ray_directions.h"
 
 #include <algorithm>
-#include <cstring>
 #include <optional>
-#include <utility>
 #include <vector>
 
 namespace superray {
@@ -60,11 +58,9 @@ struct WalkState {
         listed_.clear();
         traversed = 0;
     }
-    /// Until the next reset(), hits beyond those that this needs are not counted.
-    void expect(const SensorModel& model, UpdatePolicy policy) {
-        const bool once = policy == UpdatePolicy::oncePerScan;
-        sureHits_ = static_cast<std::uint8_t>(once ? 1 : model.hitsToSaturate());
-    }
+    /// From how many hits on more of them, and misses, change nothing.
+    /// \pre at most 255
+    void setSureHits(std::uint32_t hits) { sureHits_ = static_cast<std::uint8_t>(hits); }
     /// Hit counts of a block, which is made on first use.
     std::uint8_t* hitsOf(const BlockKey<Dim>& key) { return hitsOf(batchBlock(key)); }
     /// The same of the block with this index in the directory, whose key is only asked

@@ -44,19 +44,6 @@ class BlockTable {
         return placeIn(page, key);
     }
 
-    /// visit(place) for those of a block's neighbours, by faces, that are in its page.
-    /// \pre place is the key's
-    template <typename Visit>
-    static void forEachNeighbour(const BlockKey<Dim>& key, Place place, const Visit& visit) {
-        constexpr std::uint32_t kLast = (1u << kPageBits) - 1;
-        for (int a = 0; a < Dim; ++a) {
-            const Place stride = Place{1} << (kPageBits * a);
-            const std::uint32_t at = static_cast<std::uint32_t>(key[a]) & kLast;
-            if (at != 0) visit(place - stride);
-            if (at != kLast) visit(place + stride);
-        }
-    }
-
     Value& operator[](Place place) { return values_[place]; }
     const Value& operator[](Place place) const { return values_[place]; }
 

@@ -76,11 +76,6 @@ class SaturationCache {
         std::optional<BlockSaturation<Dim>> find(const BlockKey<Dim>& key) const {
             const auto place = table.find(key);
             if (place == table.kNowhere) return std::nullopt;
-            // A scan that asks for this block will soon ask for its neighbours.
-            table.forEachNeighbour(key, place, [&](auto neighbour) {
-                const std::uint32_t number = table[neighbour].value;
-                if (number != kNone) __builtin_prefetch(&entries[number]);
-            });
             const std::uint32_t number = table[place].value;
             if (number == kNone || !entries[number].known) return std::nullopt;
             return entries[number].saturation();
