@@ -13,6 +13,7 @@ class LiveView {
  public:
     /// \throws InputError without a display
     LiveView();
+    /// Waits until the window is gone; in vain, for some seconds, if it never appeared.
     ~LiveView();
     LiveView(const LiveView&) = delete;
     LiveView& operator=(const LiveView&) = delete;
