@@ -18,6 +18,8 @@ constexpr double kDense = 3.5;
 /// as many cells.
 constexpr std::size_t kWorkPerRay = 4;
 
+constexpr std::uint32_t kNoHits = ~std::uint32_t{0};
+
 /// So many chosen rays ahead, coordinates are fetched into the cache.
 constexpr std::size_t kAhead = 32;
 
@@ -231,17 +233,37 @@ void HorizonWalk<Dim>::walkLanes(RayLanes& lanes, WalkRays<Dim> kernel) {
 template <int Dim>
 void HorizonWalk<Dim>::countHits(std::size_t at, std::size_t runs) {
     if (state_->directory.dense()) {
-        hitsMatter_.learn(hitsMatter_.unpredictable()
-                              ? countInTurns<Branches::none>(at, runs)
-                              : countInTurns<Branches::predicted>(at, runs),
+        findPlaces(at, runs);
+        hitsMatter_.learn(hitsMatter_.unpredictable() ? countInTurns<Branches::none>(runs)
+                                                      : countInTurns<Branches::predicted>(runs),
                           runs);
         return;
     }
     for (std::size_t i = at; i < at + starts_[runs]; ++i) {
         if (rays_->kind(i) != RayEnd::hit) continue;
         const Cell<Dim> cell = rays_->geometry().cellOf(rays_->end(i));
-        std::uint8_t& hits = state_->hitsOf(blockOf<Dim>(cell))[indexInBlock<Dim>(cell)];
+        const auto local = static_cast<std::uint32_t>(indexInBlock<Dim>(cell));
+        const std::uint32_t place = state_->hitPlace(blockOf<Dim>(cell)) + local;
+        std::uint8_t& hits = state_->batch.hitArena()[place];
         if (!state_->sureHit(hits)) ++hits;
+    }
+}
+
+/// Finds where the hits of the runs are counted. Counting while at it would take longer:
+/// half of the time for counts that are not in the cache, half for mispredictions.
+template <int Dim>
+void HorizonWalk<Dim>::findPlaces(std::size_t at, std::size_t runs) {
+    const RayEnd* const kinds = rays_->kinds() + at;
+    for (std::size_t run = 0; run < runs; ++run) {
+        const std::size_t i = starts_[run];
+        if (kinds[i] != RayEnd::hit) {
+            places_[run] = kNoHits;
+            continue;
+        }
+        const std::uint32_t block = state_->hitPlace(directions_.block[i], [&] {
+            return blockOf<Dim>(rays_->geometry().cellOf(rays_->end(at + i)));
+        });
+        places_[run] = block + directions_.local[i];
     }
 }
 
@@ -249,32 +271,19 @@ void HorizonWalk<Dim>::countHits(std::size_t at, std::size_t runs) {
 /// \return number of runs whose hits changed something
 template <int Dim>
 template <Branches branches>
-std::size_t HorizonWalk<Dim>::countInTurns(std::size_t at, std::size_t runs) {
-    const RayEnd* const kinds = rays_->kinds() + at;
-    struct Place {
-        std::uint32_t block = ~std::uint32_t{0};  // consecutive runs share blocks
-        std::size_t offset = 0;
-    };
-    Place places[4];
-    std::uint8_t* arena = nullptr;
+std::size_t HorizonWalk<Dim>::countInTurns(std::size_t runs) {
+    std::uint8_t* const arena = state_->batch.hitArena();
+    const std::uint32_t* const places = places_.data();
+    const std::uint32_t* const starts = starts_.data();
     std::size_t changes = 0;
-    inTurns(runs, [&](std::size_t turn, std::size_t run) {
-        Place& place = places[turn];
-        const std::size_t i = starts_[run];
-        if (kinds[i] != RayEnd::hit) return;
-        if (directions_.block[i] != place.block) {
-            place.block = directions_.block[i];
-            const std::uint8_t* const hits = state_->hitsOf(place.block, [&] {
-                return blockOf<Dim>(rays_->geometry().cellOf(rays_->end(at + i)));
-            });
-            arena = state_->batch.hitArena();
-            place.offset = static_cast<std::size_t>(hits - arena);
-        }
-        std::uint8_t& hits = arena[place.offset + directions_.local[i]];
-        const bool change = !state_->sureHit(hits);
+    const std::uint8_t sure = state_->sureHits();
+    inTurns(runs, [&](std::size_t, std::size_t run) {
+        if (places[run] == kNoHits) return;
+        std::uint8_t& hits = arena[places[run]];
+        const bool change = hits < sure;
         changes += change;
         if (branches == Branches::none || change)
-            hits = state_->saturatingAdd(hits, starts_[run + 1] - starts_[run]);
+            hits = WalkState<Dim>::saturatingAdd(hits, starts[run + 1] - starts[run]);
     });
     return changes;
 }

@@ -59,8 +59,9 @@ class HorizonWalk {
     void chooseTiles(std::size_t first, std::size_t last);
     void findDirections(std::size_t count);
     void countHits(std::size_t at, std::size_t runs);
+    void findPlaces(std::size_t at, std::size_t runs);
     template <Branches branches>
-    std::size_t countInTurns(std::size_t at, std::size_t runs);
+    std::size_t countInTurns(std::size_t runs);
     void lookAround(std::size_t count);
     void sample(std::size_t count);
     double slicesLeft(std::size_t count) const;
@@ -80,7 +81,8 @@ class HorizonWalk {
     DirectionTiles<Dim> tiles_;
     RayDirections<Dim> directions_;
     std::array<std::uint32_t, RayDirections<Dim>::kMost + RayDirections<Dim>::kSlack>
-        starts_;  // of runs in there
+        starts_,  // of runs in there
+        places_;  // of their hits, or kNoHits
     Surprise hitsMatter_;
     Sampling sampling_{};
     SampleEffect sampleEffect_;

@@ -250,8 +250,13 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
         const __m256i tile = tilesFrom(i);
         const std::size_t n = std::min<std::size_t>(8, count - i);
         std::uint64_t end = 0, before = 0;  // there is nothing beyond the last ray to load
-        std::memcpy(&end, ends + i, n == 8 ? 8 : n);
-        std::memcpy(&before, ends + i - 1, n == 8 ? 8 : n);
+        if (n == 8) {  // with a constant, memcpy() is no call
+            std::memcpy(&end, ends + i, 8);
+            std::memcpy(&before, ends + i - 1, 8);
+        } else {
+            std::memcpy(&end, ends + i, n);
+            std::memcpy(&before, ends + i - 1, n);
+        }
         const __m128i sameEnd =
             _mm_cmpeq_epi8(_mm_cvtsi64_si128(static_cast<long long>(end)),
                            _mm_cvtsi64_si128(static_cast<long long>(before)));

@@ -55,21 +55,23 @@ struct WalkState {
         batch.clear();
         directory.reset(box);
         hitBlocks_.clear();
-        listed_.clear();
+        hitPlaces_.clear();
         traversed = 0;
     }
     /// From how many hits on more of them, and misses, change nothing.
     /// \pre at most 255
     void setSureHits(std::uint32_t hits) { sureHits_ = static_cast<std::uint8_t>(hits); }
-    /// Hit counts of a block, which is made on first use.
-    std::uint8_t* hitsOf(const BlockKey<Dim>& key) { return hitsOf(batchBlock(key)); }
+    /// Place of a block's hit counts in the arena; the block is made on first use.
+    std::uint32_t hitPlace(const BlockKey<Dim>& key) { return placeHits(batchBlock(key)); }
     /// The same of the block with this index in the directory, whose key is only asked
-    /// for if it has no counts yet. \pre the directory is dense
+    /// for if it got no hits yet. \pre the directory is dense
     template <typename KeyOf>
-    std::uint8_t* hitsOf(std::uint32_t index, const KeyOf& keyOf) {
+    std::uint32_t hitPlace(std::uint32_t index, const KeyOf& keyOf) {
         const std::uint32_t n = directory.data()[index];
-        return hitsOf(n == 0 ? batchBlock(keyOf()) : n - 1);
+        if (n < hitPlaces_.size() && hitPlaces_[n] != kNoPlace) return hitPlaces_[n];
+        return placeHits(n == 0 ? batchBlock(keyOf()) : n - 1);
     }
+    std::uint8_t sureHits() const { return sureHits_; }
     /// Whether more hits change nothing.
     bool sureHit(std::uint8_t hits) const { return hits >= sureHits_; }
     /// Cells with so many hits that they end up at the upper clamp (with
@@ -82,7 +84,7 @@ struct WalkState {
             for (int i = 0; i < kBlockCells<Dim>; ++i)
                 misses[i] = hits[i] >= sureHits_ ? std::uint8_t{UpdateBatch<Dim>::kMaxCount}
                                                  : misses[i];
-            listed_[b] = false;
+            hitPlaces_[b + 1] = kNoPlace;
         }
         hitBlocks_.clear();
     }
@@ -135,17 +137,21 @@ struct WalkState {
     }
 
  private:
-    /// Hit counts of a block of the batch.
-    std::uint8_t* hitsOf(std::uint32_t block) {
-        if (block >= listed_.size()) listed_.resize(batch.blockCount());
-        if (!listed_[block]) hitBlocks_.push_back(block);
-        listed_[block] = true;
-        return batch.hitsOf(block);
+    static constexpr std::uint32_t kNoPlace = ~std::uint32_t{0};
+
+    std::uint32_t placeHits(std::uint32_t block) {
+        if (block + 1 >= hitPlaces_.size()) hitPlaces_.resize(batch.blockCount() + 1, kNoPlace);
+        std::uint32_t& place = hitPlaces_[block + 1];
+        if (place == kNoPlace) {
+            hitBlocks_.push_back(block);
+            place = static_cast<std::uint32_t>(batch.hitsOf(block) - batch.hitArena());
+        }
+        return place;
     }
 
     std::uint8_t sureHits_ = 0;
     std::vector<std::uint32_t> hitBlocks_;  // got hits since settleSureHits()
-    std::vector<bool> listed_;              // there, per block of the batch
+    std::vector<std::uint32_t> hitPlaces_;  // of these, by number in the directory
 };
 
 /// Appends the free cells of a ray from slice `from` on.
