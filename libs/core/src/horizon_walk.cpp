@@ -4,6 +4,7 @@
 #include "scan_extent.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace superray {
 namespace {
@@ -13,6 +14,8 @@ constexpr double kWorthIt = 4;
 /// Rays per tile from which on this may pay at all: rays that are walked out of
 /// the sensor's order find less in the cache.
 constexpr double kDense = 3.5;
+/// Rays per tile from which on the rays to walk first should be spared something, too.
+constexpr double kVeryDense = 16;
 
 /// Most work of looking around, per ray: about what it takes to walk a ray through
 /// as many cells.
@@ -116,22 +119,28 @@ bool HorizonWalk<Dim>::worthLooking(double slices) const {
 /// In scans that are not dense this would spare nothing, which is noted as its effect.
 template <int Dim>
 void HorizonWalk<Dim>::sample(std::size_t count) {
-    if (!worthLooking(slicesLeft(count))) return;
-    const bool dense =
-        static_cast<double>(count) > kDense * static_cast<double>(horizon_.tilesWithRays());
-    if (dense) walkSample(count);
-    const double before = slicesLeft(count);
-    if (!worthLooking(before)) return;
-    if (dense) lookAround(count);
-    sampleEffect_.before += before;
+    const double raysPerTile =
+        static_cast<double>(count) / static_cast<double>(horizon_.tilesWithRays());
+    std::optional<double> before;
+    for (RaySample* const some : {&firstSample_, &sample_}) {
+        if (some == &firstSample_ && raysPerTile < kVeryDense) continue;
+        if (!worthLooking(slicesLeft(count))) break;
+        if (raysPerTile > kDense) walkSample(some->of(count));
+        const double slices = slicesLeft(count);
+        if (!worthLooking(slices)) break;
+        if (raysPerTile > kDense) lookAround(count);
+        if (!before) before = slices;
+    }
+    if (!before) return;
+    sampleEffect_.before += *before;
     sampleEffect_.after += slicesLeft(count);
 }
 
-/// Walks those of a few rays that have something to tell.
+/// Walks those of some rays that have something to tell.
 template <int Dim>
-void HorizonWalk<Dim>::walkSample(std::size_t count) {
+void HorizonWalk<Dim>::walkSample(const std::vector<std::uint32_t>& rays) {
     std::size_t n = 0;
-    for (const std::uint32_t ray : sample_.of(count)) {
+    for (const std::uint32_t ray : rays) {
         chosen_[n] = ray;
         n += horizon_.firstOpen(spot_[ray]) <= lastSlice_[ray];
     }

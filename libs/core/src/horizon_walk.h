@@ -66,7 +66,7 @@ class HorizonWalk {
     void sample(std::size_t count);
     double slicesLeft(std::size_t count) const;
     bool worthLooking(double slices) const;
-    void walkSample(std::size_t count);
+    void walkSample(const std::vector<std::uint32_t>& rays);
     void walkLast(std::size_t count);
     void walkChosen(const HorizonWalk& owner, ListPiece piece);
     void walkWaiting();
@@ -89,7 +89,9 @@ class HorizonWalk {
     ScratchArray<std::uint32_t> spot_;       // per ray
     ScratchArray<std::uint16_t> lastSlice_;  // per ray
     ScratchArray<std::uint32_t> chosen_;     // rays to walk, in turns with others
-    RaySample sample_;
+    // A few rays, and more of them, which the first ones spare much of their way.
+    static constexpr double kFirstSample = 1.0 / 148, kWholeSample = 4.0 / 37;
+    RaySample firstSample_{0, kFirstSample}, sample_{kFirstSample, kWholeSample};
     std::unique_ptr<SharedList> list_ = std::make_unique<SharedList>();
     Horizon<Dim> horizon_;
     SettledRegion<Dim> region_;

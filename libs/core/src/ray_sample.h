@@ -7,24 +7,28 @@
 
 namespace superray {
 
-/// Numbers of rays, spread over rows and columns of any sensor.
+/// Numbers of rays, spread over rows and columns of any sensor. Each ray has a place
+/// in [0, 1); samples of places that do not overlap have no ray in common.
 class RaySample {
  public:
-    static constexpr double kShare = 4.0 / 37;
+    /// The rays with places in [from, to). \pre 0 <= from < to < 1
+    RaySample(double from, double to)
+        : from_(static_cast<std::uint32_t>(from * 0x1p32)),
+          length_(static_cast<std::uint32_t>((to - from) * 0x1p32)) {}
 
     /// Those of the first `count` rays, in order. Valid until the next call.
     const std::vector<std::uint32_t>& of(std::size_t count) {
         constexpr std::uint32_t kFactor = 0x9E3779B1;
-        constexpr auto kLimit = static_cast<std::uint32_t>(kShare * 0x1p32);
         while (!sample_.empty() && sample_.back() >= count) sample_.pop_back();
         for (next_ = std::min(next_, count); next_ < count; ++next_) {
             const auto ray = static_cast<std::uint32_t>(next_);
-            if (ray * kFactor < kLimit) sample_.push_back(ray);
+            if (ray * kFactor - from_ < length_) sample_.push_back(ray);
         }
         return sample_;
     }
 
  private:
+    std::uint32_t from_, length_;
     std::vector<std::uint32_t> sample_;
     std::size_t next_ = 0;  // ray to decide about next
 };
