@@ -14,6 +14,8 @@ constexpr double kWorthIt = 4;
 /// Rays per tile from which on this may pay at all: rays that are walked out of
 /// the sensor's order find less in the cache.
 constexpr double kDense = 3.5;
+/// So many rays at least may settle the cells that all of them pass.
+constexpr std::size_t kFewest = 16;
 /// Rays per tile from which on the rays to walk first should be spared something, too.
 constexpr double kVeryDense = 16;
 
@@ -75,6 +77,7 @@ void HorizonWalk<Dim>::walk(std::size_t first, std::size_t last) {
 
     lookAround(count);
     culled_ += count;
+    settleSensorCell(count);
     if (sampling_ == Sampling::whereItMayRepay) sample(count);
     walkLast(count);
 }
@@ -115,6 +118,16 @@ bool HorizonWalk<Dim>::worthLooking(double slices) const {
     return slices > kWorthIt * static_cast<double>(region_.work());
 }
 
+/// Where the sensor's own cell is open, nothing is settled yet for any ray, however well
+/// known the rest of the map: a few rays settle it.
+template <int Dim>
+void HorizonWalk<Dim>::settleSensorCell(std::size_t count) {
+    const std::vector<std::uint32_t>& few = firstSample_.of(count);
+    if (!region_.empty() || few.size() < kFewest) return;
+    walkSample(few);
+    lookAround(count);
+}
+
 /// Walks some rays and looks around again, for what they saturate, the others are spared.
 /// In scans that are not dense this would spare nothing, which is noted as its effect.
 template <int Dim>
@@ -125,7 +138,7 @@ void HorizonWalk<Dim>::sample(std::size_t count) {
     for (RaySample* const some : {&firstSample_, &sample_}) {
         if (some == &firstSample_ && raysPerTile < kVeryDense) continue;
         if (!worthLooking(slicesLeft(count))) break;
-        if (raysPerTile > kDense) walkSample(some->of(count));
+        if (raysPerTile > kDense && walkSample(some->of(count)) == 0) continue;
         const double slices = slicesLeft(count);
         if (!worthLooking(slices)) break;
         if (raysPerTile > kDense) lookAround(count);
@@ -137,8 +150,9 @@ void HorizonWalk<Dim>::sample(std::size_t count) {
 }
 
 /// Walks those of some rays that have something to tell.
+/// \return how many there were
 template <int Dim>
-void HorizonWalk<Dim>::walkSample(const std::vector<std::uint32_t>& rays) {
+std::size_t HorizonWalk<Dim>::walkSample(const std::vector<std::uint32_t>& rays) {
     std::size_t n = 0;
     for (const std::uint32_t ray : rays) {
         chosen_[n] = ray;
@@ -147,6 +161,7 @@ void HorizonWalk<Dim>::walkSample(const std::vector<std::uint32_t>& rays) {
     walkChosen(*this, {0, n});
     walkWaiting();
     for (std::size_t i = 0; i < n; ++i) spot_[chosen_[i]] = tiles_.firstSpot(tiles_.spent());
+    return n;
 }
 
 /// Walks the last rays of a part that have something to tell, as far as the horizon

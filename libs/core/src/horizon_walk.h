@@ -63,10 +63,11 @@ class HorizonWalk {
     template <Branches branches>
     std::size_t countInTurns(std::size_t runs);
     void lookAround(std::size_t count);
+    void settleSensorCell(std::size_t count);
     void sample(std::size_t count);
     double slicesLeft(std::size_t count) const;
     bool worthLooking(double slices) const;
-    void walkSample(const std::vector<std::uint32_t>& rays);
+    std::size_t walkSample(const std::vector<std::uint32_t>& rays);
     void walkLast(std::size_t count);
     void walkChosen(const HorizonWalk& owner, ListPiece piece);
     void walkWaiting();

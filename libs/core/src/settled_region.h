@@ -34,6 +34,9 @@ class SettledRegion {
     void build(const Cell<Dim>& sensor, const WalkState<Dim>& state, Horizon<Dim>& horizon,
                std::uint64_t mostWork);
 
+    /// Whether the last build() found the sensor's own cell open.
+    bool empty() const { return visited_.empty() || !blocks_[visited_[0]].reached.any(); }
+
     /// Work of the last build(), about as many times as long as visiting a cell
     /// of a ray.
     std::uint64_t work() const { return work_; }
