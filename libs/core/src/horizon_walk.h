@@ -31,8 +31,7 @@ struct SampleEffect {
     double before = 0, after = 0;
 };
 
-/// One thread's part of a scan: begin(), walk() of any number of parts of the rays,
-/// end(); then it may help others.
+/// One thread's part of a scan: begin(), walk(), end(); then it may help others.
 template <int Dim>
 class HorizonWalk {
  public:
@@ -42,16 +41,15 @@ class HorizonWalk {
     /// Counts what the rays [first, last) have to tell.
     void walk(std::size_t first, std::size_t last);
 
-    /// There are no more parts (also where an exception ends the work).
+    /// The walk is over (also where an exception ends it).
     void end() noexcept { list_->close(); }
 
-    /// Counts some of what another's last part has to tell, until it is done; nothing if
-    /// it has not begun. \pre both are of one scan; nobody takes parts any more
+    /// Counts some of what another's rays have to tell, until it is done; nothing if it has
+    /// not begun. \pre both are of one scan; this one is done
     void help(HorizonWalk& other);
 
     /// Rays that were cut short or left out, since begin().
     std::uint64_t culled() const { return culled_; }
-    /// Of all parts since begin().
     const SampleEffect& sampleEffect() const { return sampleEffect_; }
 
  private:

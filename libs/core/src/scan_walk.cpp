@@ -2,8 +2,6 @@
 
 #include <superray/core/parallel.h>
 
-#include "chunk_queue.h"
-
 #include <algorithm>
 #include <array>
 
@@ -13,9 +11,6 @@ namespace {
 /// Rays, blocks to add that repay a thread.
 constexpr std::size_t kRaysPerShare = 256, kBlocksPerShare = 512;
 
-/// Parts of a sorted scan per thread, at least. Of others one each: threads that are
-/// done help with the others' rays.
-constexpr std::size_t kPartsPerShare = 2;
 /// Rays of so many cells repay sorting them by direction.
 constexpr double kLongRay = 64;
 
@@ -130,8 +125,8 @@ void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
     });
 }
 
-/// Whether several threads should take rays by direction. Not where a sample may repay,
-/// which spares less to the rays of small parts than to those of large ones.
+/// Whether several threads should take rays by direction. Not where a sample may repay: that
+/// matters more than which thread takes which rays.
 template <int Dim>
 bool ScanWalk<Dim>::sortingRepays(Sampling sampling) const {
     return shareCount_ > 1 && sampling == Sampling::never && goAllAround(*rays_) &&
@@ -154,15 +149,8 @@ void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const Sens
     const Sampling sampling =
         sampleRepays_.tryNow() ? Sampling::whereItMayRepay : Sampling::never;
     const bool sorting = sortingRepays(sampling);
-    if (sorting) {
-        sortByDirection();
-    } else {
-        parts_.clear();
-        for (std::size_t s = 0; s <= shareCount_; ++s)
-            parts_.push_back(firstRay(s, rays_->size()));
-    }
+    if (sorting) sortByDirection();
     const HorizonScan<Dim> scan{sorting ? *sorted_ : *rays_, map, {model, policy}, sampling};
-    ChunkQueue queue(parts_.size() - 1, shareCount_);
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
         HorizonWalk<Dim>& walk = share.horizon;
@@ -170,7 +158,7 @@ void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const Sens
             const EndOfWalk<Dim> atEnd{walk};
             if (!sorting) share.state.reset(blocks_);
             walk.begin(scan, share.state);
-            while (const auto part = queue.take(s)) walk.walk(parts_[*part], parts_[*part + 1]);
+            walk.walk(firstRay(s, rays_->size()), firstRay(s + 1, rays_->size()));
         }
         for (std::size_t i = 1; i < shareCount_; ++i)
             walk.help(shares_[(s + i) % shareCount_].horizon);
@@ -179,8 +167,8 @@ void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const Sens
     learnFromSample();
 }
 
-/// Threads take parts that go different ways, so that few blocks are counted by
-/// several: rays of a kind, in the sensor's order, or pieces of them.
+/// Orders the rays by kind, so that threads take rays that go different ways, and few
+/// blocks are counted by several. Those of a kind stay in the sensor's order.
 template <int Dim>
 void ScanWalk<Dim>::sortByDirection() {
     const std::size_t count = rays_->size();
@@ -188,21 +176,14 @@ void ScanWalk<Dim>::sortByDirection() {
         shares_[s].state.reset(blocks_);
         findKinds(shares_[s], firstRay(s, count), firstRay(s + 1, count));
     });
-    parts_ = {0};
-    const std::size_t most = count / (kPartsPerShare * shareCount_) + 1;
     std::size_t begin = 0;
     for (std::size_t kind = 0; kind < kSortedKinds; ++kind) {
-        std::size_t rays = 0;  // of the kind
         for (std::size_t s = 0; s < shareCount_; ++s) {
             // From counts to where the share's rays of the kind go.
             const std::size_t n = shares_[s].ofKind[kind];
-            shares_[s].ofKind[kind] = begin + rays;
-            rays += n;
+            shares_[s].ofKind[kind] = begin;
+            begin += n;
         }
-        const std::size_t pieces = (rays + most - 1) / most;
-        for (std::size_t i = 1; i <= pieces; ++i)
-            parts_.push_back(begin + shareBegin(rays, i, pieces));
-        begin += rays;
     }
     if (!sorted_) sorted_.emplace(rays_->geometry(), rays_->commonOrigin());
     sorted_->restartLike(*rays_);

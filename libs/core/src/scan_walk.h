@@ -72,7 +72,6 @@ class ScanWalk {
     const RayBundle<Dim>* rays_ = nullptr;
     BlockBox<Dim> blocks_;
     std::optional<RayBundle<Dim>> sorted_;  // the same rays, for several threads
-    std::vector<std::size_t> parts_;        // first ray of each, and the end
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
     Attempts sampleRepays_;
