@@ -125,11 +125,10 @@ void ScanWalk<Dim>::walkEach(const CullingRegion<Dim>& region) {
     });
 }
 
-/// Whether several threads should take rays by direction. Not where a sample may repay: that
-/// matters more than which thread takes which rays.
+/// Whether several threads should take rays by direction.
 template <int Dim>
-bool ScanWalk<Dim>::sortingRepays(Sampling sampling) const {
-    return shareCount_ > 1 && sampling == Sampling::never && goAllAround(*rays_) &&
+bool ScanWalk<Dim>::sortingRepays() const {
+    return shareCount_ > 1 && goAllAround(*rays_) &&
            typicalLength(*rays_, 0, rays_->size()) > kLongRay;
 }
 
@@ -148,7 +147,7 @@ void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const Sens
                                     UpdatePolicy policy) {
     const Sampling sampling =
         sampleRepays_.tryNow() ? Sampling::whereItMayRepay : Sampling::never;
-    const bool sorting = sortingRepays(sampling);
+    const bool sorting = sortingRepays();
     if (sorting) sortByDirection();
     const HorizonScan<Dim> scan{sorting ? *sorted_ : *rays_, map, {model, policy}, sampling};
     inParallel(shareCount_, [&](std::size_t s) {

@@ -63,7 +63,7 @@ class ScanWalk {
     std::size_t firstRay(std::size_t share, std::size_t rays) const {
         return shareBegin(rays, share, shareCount_);
     }
-    bool sortingRepays(Sampling sampling) const;
+    bool sortingRepays() const;
     void learnFromSample();
     void countEndCells();
     void sortByDirection();

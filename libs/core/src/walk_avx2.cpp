@@ -250,7 +250,7 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
         const __m256i tile = tilesFrom(i);
         const std::size_t n = std::min<std::size_t>(8, count - i);
         std::uint64_t end = 0, before = 0;  // there is nothing beyond the last ray to load
-        if (n == 8) {  // with a constant, memcpy() is no call
+        if (n == 8) {                       // with a constant, memcpy() is no call
             std::memcpy(&end, ends + i, 8);
             std::memcpy(&before, ends + i - 1, 8);
         } else {
