@@ -1,6 +1,5 @@
 #include "horizon_walk.h"
 
-#include "in_turns.h"
 #include "scan_extent.h"
 
 #include <algorithm>
@@ -22,8 +21,6 @@ constexpr double kVeryDense = 16;
 /// Most work of looking around, per ray: about what it takes to walk a ray through
 /// as many cells.
 constexpr std::size_t kWorkPerRay = 4;
-
-constexpr std::uint32_t kNoHits = ~std::uint32_t{0};
 
 /// So many chosen rays ahead, coordinates are fetched into the cache.
 constexpr std::size_t kAhead = 32;
@@ -98,7 +95,7 @@ void HorizonWalk<Dim>::findDirections(std::size_t count) {
             kernels_.findRuns(directions_, rays_->kinds() + first_ + at, rays, starts_.data());
         starts_[runs] = static_cast<std::uint32_t>(rays);
         horizon_.addRays(directions_, starts_.data(), runs);
-        countHits(first_ + at, runs);
+        hitCounter_.count(*state_, *rays_, first_ + at, directions_, starts_.data(), runs);
     }
 }
 
@@ -251,65 +248,6 @@ void HorizonWalk<Dim>::walkLanes(RayLanes& lanes, WalkRays<Dim> kernel) {
     std::fill(lanes.ray + lanes.count, std::end(lanes.ray), lanes.ray[0]);
     kernel(*state_, *rays_, lanes);
     lanes.count = 0;
-}
-
-/// Counts the hits of the runs of directions_, whose first ray is `at`.
-template <int Dim>
-void HorizonWalk<Dim>::countHits(std::size_t at, std::size_t runs) {
-    if (state_->directory.dense()) {
-        findPlaces(at, runs);
-        hitsMatter_.learn(hitsMatter_.unpredictable() ? countInTurns<Branches::none>(runs)
-                                                      : countInTurns<Branches::predicted>(runs),
-                          runs);
-        return;
-    }
-    for (std::size_t i = at; i < at + starts_[runs]; ++i) {
-        if (rays_->kind(i) != RayEnd::hit) continue;
-        const Cell<Dim> cell = rays_->geometry().cellOf(rays_->end(i));
-        const auto local = static_cast<std::uint32_t>(indexInBlock<Dim>(cell));
-        const std::uint32_t place = state_->hitPlace(blockOf<Dim>(cell)) + local;
-        std::uint8_t& hits = state_->batch.hitArena()[place];
-        if (!state_->sureHit(hits)) ++hits;
-    }
-}
-
-/// Finds where the hits of the runs are counted. Counting while at it would take longer:
-/// half of the time for counts that are not in the cache, half for mispredictions.
-template <int Dim>
-void HorizonWalk<Dim>::findPlaces(std::size_t at, std::size_t runs) {
-    const RayEnd* const kinds = rays_->kinds() + at;
-    for (std::size_t run = 0; run < runs; ++run) {
-        const std::size_t i = starts_[run];
-        if (kinds[i] != RayEnd::hit) {
-            places_[run] = kNoHits;
-            continue;
-        }
-        const std::uint32_t block = state_->hitPlace(directions_.block[i], [&] {
-            return blockOf<Dim>(rays_->geometry().cellOf(rays_->end(at + i)));
-        });
-        places_[run] = block + directions_.local[i];
-    }
-}
-
-/// Neighbours often end in the same cell.
-/// \return number of runs whose hits changed something
-template <int Dim>
-template <Branches branches>
-std::size_t HorizonWalk<Dim>::countInTurns(std::size_t runs) {
-    std::uint8_t* const arena = state_->batch.hitArena();
-    const std::uint32_t* const places = places_.data();
-    const std::uint32_t* const starts = starts_.data();
-    std::size_t changes = 0;
-    const std::uint8_t sure = state_->sureHits();
-    inTurns(runs, [&](std::size_t, std::size_t run) {
-        if (places[run] == kNoHits) return;
-        std::uint8_t& hits = arena[places[run]];
-        const bool change = hits < sure;
-        changes += change;
-        if (branches == Branches::none || change)
-            hits = WalkState<Dim>::saturatingAdd(hits, starts[run + 1] - starts[run]);
-    });
-    return changes;
 }
 
 template class HorizonWalk<2>;

@@ -2,10 +2,10 @@
 // Method `auto`: each ray is walked from where it has something to tell, as far as
 // the map and the rays before it leave something to be told.
 
+#include "hit_counter.h"
 #include "ray_sample.h"
 #include "settled_region.h"
 #include "shared_list.h"
-#include "surprise.h"
 #include "walk_kernel.h"
 
 #include <array>
@@ -56,10 +56,6 @@ class HorizonWalk {
     // Numbers of rays are among the part that walk() is at; `count` is its size.
     void chooseTiles(std::size_t first, std::size_t last);
     void findDirections(std::size_t count);
-    void countHits(std::size_t at, std::size_t runs);
-    void findPlaces(std::size_t at, std::size_t runs);
-    template <Branches branches>
-    std::size_t countInTurns(std::size_t runs);
     void lookAround(std::size_t count);
     void settleSensorCell(std::size_t count);
     void sample(std::size_t count);
@@ -80,9 +76,8 @@ class HorizonWalk {
     DirectionTiles<Dim> tiles_;
     RayDirections<Dim> directions_;
     std::array<std::uint32_t, RayDirections<Dim>::kMost + RayDirections<Dim>::kSlack>
-        starts_,  // of runs in there
-        places_;  // of their hits, or kNoHits
-    Surprise hitsMatter_;
+        starts_;  // of runs in there
+    HitCounter<Dim> hitCounter_;
     Sampling sampling_{};
     SampleEffect sampleEffect_;
     ScratchArray<std::uint32_t> spot_;       // per ray

@@ -72,8 +72,6 @@ struct WalkState {
         return placeHits(n == 0 ? batchBlock(keyOf()) : n - 1);
     }
     std::uint8_t sureHits() const { return sureHits_; }
-    /// Whether more hits change nothing.
-    bool sureHit(std::uint8_t hits) const { return hits >= sureHits_; }
     /// Cells with so many hits that they end up at the upper clamp (with
     /// oncePerScan, with any) need no misses any more: they get the greatest miss
     /// count, so that no walk need bother.
