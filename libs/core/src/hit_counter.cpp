@@ -3,11 +3,6 @@
 #include "in_turns.h"
 
 namespace superray {
-namespace {
-
-constexpr std::uint32_t kNoHits = ~std::uint32_t{0};
-
-}  // namespace
 
 template <int Dim>
 void HitCounter<Dim>::count(WalkState<Dim>& state, const RayBundle<Dim>& rays,
@@ -41,7 +36,7 @@ void HitCounter<Dim>::findPlaces(WalkState<Dim>& state, const RayBundle<Dim>& ra
     for (std::size_t run = 0; run < runs; ++run) {
         const std::size_t i = starts[run];
         if (ends[i] != RayEnd::hit) {
-            places_[run] = kNoHits;
+            places_[run] = WalkState<Dim>::kNoPlace;
             continue;
         }
         const std::uint32_t block = state.hitPlace(directions.block[i], [&] {
@@ -61,7 +56,7 @@ std::size_t HitCounter<Dim>::countInTurns(WalkState<Dim>& state, const std::uint
     const std::uint8_t sure = state.sureHits();
     std::size_t changes = 0;
     inTurns(runs, [&](std::size_t, std::size_t run) {
-        if (places_[run] == kNoHits) return;
+        if (places_[run] == WalkState<Dim>::kNoPlace) return;
         std::uint8_t& hits = arena[places_[run]];
         const bool change = hits < sure;
         changes += change;

@@ -119,8 +119,9 @@ bool HorizonWalk<Dim>::worthLooking(double slices) const {
 /// known the rest of the map: a few rays settle it.
 template <int Dim>
 void HorizonWalk<Dim>::settleSensorCell(std::size_t count) {
+    if (!region_.empty()) return;
     const std::vector<std::uint32_t>& few = firstSample_.of(count);
-    if (!region_.empty() || few.size() < kFewest) return;
+    if (few.size() < kFewest) return;
     walkSample(few);
     lookAround(count);
 }
@@ -131,19 +132,22 @@ template <int Dim>
 void HorizonWalk<Dim>::sample(std::size_t count) {
     const double raysPerTile =
         static_cast<double>(count) / static_cast<double>(horizon_.tilesWithRays());
+    if (raysPerTile <= kDense) {
+        const double slices = slicesLeft(count);
+        if (worthLooking(slices)) sampleEffect_ = {slices, slices};
+        return;
+    }
     std::optional<double> before;
     for (RaySample* const some : {&firstSample_, &sample_}) {
         if (some == &firstSample_ && raysPerTile < kVeryDense) continue;
         if (!worthLooking(slicesLeft(count))) break;
-        if (raysPerTile > kDense && walkSample(some->of(count)) == 0) continue;
+        if (walkSample(some->of(count)) == 0) continue;
         const double slices = slicesLeft(count);
         if (!worthLooking(slices)) break;
-        if (raysPerTile > kDense) lookAround(count);
+        lookAround(count);
         if (!before) before = slices;
     }
-    if (!before) return;
-    sampleEffect_.before += *before;
-    sampleEffect_.after += slicesLeft(count);
+    if (before) sampleEffect_ = {*before, slicesLeft(count)};
 }
 
 /// Walks those of some rays that have something to tell.

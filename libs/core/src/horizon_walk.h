@@ -10,6 +10,7 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 namespace superray {
 
@@ -38,7 +39,7 @@ class HorizonWalk {
     /// Others may help from now on, until end(). \pre state.reset() was called
     void begin(const HorizonScan<Dim>& scan, WalkState<Dim>& state);
 
-    /// Counts what the rays [first, last) have to tell.
+    /// Counts what the rays [first, last) have to tell. Once between begin() and end().
     void walk(std::size_t first, std::size_t last);
 
     /// The walk is over (also where an exception ends it).

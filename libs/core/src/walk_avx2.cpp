@@ -249,17 +249,17 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
     for (std::size_t i = 1; i < count; i += 8) {
         const __m256i tile = tilesFrom(i);
         const std::size_t n = std::min<std::size_t>(8, count - i);
-        std::uint64_t end = 0, before = 0;  // there is nothing beyond the last ray to load
-        if (n == 8) {                       // with a constant, memcpy() is no call
-            std::memcpy(&end, ends + i, 8);
-            std::memcpy(&before, ends + i - 1, 8);
-        } else {
-            std::memcpy(&end, ends + i, n);
-            std::memcpy(&before, ends + i - 1, n);
-        }
-        const __m128i sameEnd =
-            _mm_cmpeq_epi8(_mm_cvtsi64_si128(static_cast<long long>(end)),
-                           _mm_cvtsi64_si128(static_cast<long long>(before)));
+        const auto endsFrom = [&](std::size_t at) SUPERRAY_TARGET {
+            // There is nothing beyond the last ray that could be loaded. With a constant,
+            // memcpy() is no call.
+            std::uint64_t some = 0;
+            if (n == 8)
+                std::memcpy(&some, ends + at, 8);
+            else
+                std::memcpy(&some, ends + at, n);
+            return _mm_cvtsi64_si128(static_cast<long long>(some));
+        };
+        const __m128i sameEnd = _mm_cmpeq_epi8(endsFrom(i), endsFrom(i - 1));
         const __m256i sameTile = _mm256_andnot_si256(
             _mm256_cmpeq_epi32(tile, lone), _mm256_cmpeq_epi32(tile, tilesFrom(i - 1)));
         const unsigned same =

@@ -72,6 +72,8 @@ struct WalkState {
         return placeHits(n == 0 ? batchBlock(keyOf()) : n - 1);
     }
     std::uint8_t sureHits() const { return sureHits_; }
+    /// No place in the arena.
+    static constexpr std::uint32_t kNoPlace = ~std::uint32_t{0};
     /// Cells with so many hits that they end up at the upper clamp (with
     /// oncePerScan, with any) need no misses any more: they get the greatest miss
     /// count, so that no walk need bother.
@@ -135,8 +137,6 @@ struct WalkState {
     }
 
  private:
-    static constexpr std::uint32_t kNoPlace = ~std::uint32_t{0};
-
     std::uint32_t placeHits(std::uint32_t block) {
         if (block + 1 >= hitPlaces_.size()) hitPlaces_.resize(batch.blockCount() + 1, kNoPlace);
         std::uint32_t& place = hitPlaces_[block + 1];
