@@ -23,6 +23,11 @@ least two cells before its end, free (p < 0.3). Scans that were lost are tested
 too. Maps are made of the other points, as in the paper, or of all points with
 --keep-all-points, which gives the times of a robot that uses whole scans.
 
+Our maps take memory from the system before the first scan (--reserve; the
+option reserve_megabytes of the maps), as those of a robot that must keep up
+would: page faults of a first scan can cost as much time as its update. MRPT's
+COccupancyGridMap3D, of fixed size, does so too; OctoMap cannot.
+
 Examples:
   superray-bench realtime drive.rawlog --rate 10 --resolution 0.2
   superray-bench realtime room.rawlog --rate 30 --resolution 0.05 --engines grid \
@@ -59,6 +64,9 @@ Command declareRealtime(CLI::App& app) {
     addEngineOptions(app, a.request.engines, "octomap,grid,octree", a.request.threads,
                      a.request.policy);
     app.add_flag("--keep-all-points", a.keepAllPoints, "Make maps of the test points too");
+    app.add_option("--reserve", a.request.reserveMegabytes,
+                   "Memory that grid and octree take before the first scan; default 256")
+        ->type_name("MB");
     app.add_option("--test-seed", a.request.testSeed, "Choice of test points; default 1")
         ->type_name("N");
     addInputOptions(app, a.request.source, a.request.worldSeed);

@@ -10,10 +10,7 @@
 #include <new>
 #include <vector>
 
-#ifdef __linux__
-#include <sys/mman.h>
-#include <unistd.h>
-#endif
+#include "core/resident_memory.h"
 
 namespace superray {
 namespace {
@@ -65,11 +62,7 @@ TEST(LargeMemory, MovesAndSwaps) {
 
 #ifdef __linux__
 std::size_t residentBytes(const LargeMemory& memory) {
-    const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-    std::vector<unsigned char> pages(memory.size() / page);
-    EXPECT_EQ(mincore(memory.data(), memory.size(), pages.data()), 0);
-    return page * static_cast<std::size_t>(
-                      std::count_if(pages.begin(), pages.end(), [](auto p) { return p & 1; }));
+    return test::pagesOf(memory.data(), memory.size()).resident;
 }
 
 TEST(LargeMemory, WhatIsNotUsedTakesNoMemory) {

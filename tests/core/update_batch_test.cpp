@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/resident_memory.h"
+
 namespace superray {
 namespace {
 
@@ -35,6 +37,28 @@ TEST(UpdateBatch, LendsAndBorrowsBlocks) {
     const auto again = batch.addBlock({7, 7, 7});
     EXPECT_EQ(again, 0u);
     EXPECT_FALSE(batch.touched(again).any());
+}
+
+TEST(UpdateBatch, ReservedMemoryIsUsedBeforeOther) {
+    constexpr std::size_t kReserved = 8u << 20;
+    UpdateBatch<3> batch;
+    batch.missesOf(batch.addBlock({1, 2, 3}))[7] = 9;
+    batch.reserve(kReserved);
+    EXPECT_EQ(batch.blockCount(), 0u) << "what was there is forgotten";
+    const std::size_t reserved = batch.memoryBytes();
+    EXPECT_GE(reserved, kReserved * 9 / 10);
+#ifdef __linux__
+    const auto pages = test::pagesOf(batch.missArena(), kReserved * 3 / 4);
+    EXPECT_EQ(pages.resident, pages.bytes);
+#endif
+    std::uint32_t blocks = 0;
+    for (; blocks < kReserved / 1024; ++blocks) {
+        const BlockKey<3> key{static_cast<std::int32_t>(blocks), 0, 0};
+        ASSERT_EQ(batch.addBlock(key), blocks);
+        ASSERT_FALSE(batch.touched(blocks).any());
+        batch.missesOf(blocks)[blocks % 512] = 255;
+    }
+    EXPECT_EQ(batch.memoryBytes(), reserved);
 }
 
 }  // namespace

@@ -76,6 +76,16 @@ TEST(Split, partsPointsAndDrawsFreeOnes) {
     EXPECT_NE(splitScans(scans.scans, request).tests[0].point, split.tests[0].point);
 }
 
+TEST(Realtime, ReservesMemoryOfOurMaps) {
+    BenchEngineOptions options;
+    options.reserveMegabytes = 64;
+    for (const char* name : {"grid", "octree"}) {
+        const std::size_t bytes = benchEngine(name).make(options)->mapBytes();
+        EXPECT_GT(bytes, 40u << 20) << name;
+        EXPECT_LT(bytes, 64u << 20) << name;
+    }
+}
+
 /// Knows what the test says it knows.
 class Oracle final : public BenchEngine {
  public:

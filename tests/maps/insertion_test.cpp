@@ -125,6 +125,43 @@ TEST(Insertion, FreshMapsAreEmptyAndClearEmptiesThem) {
     }
 }
 
+TEST(Insertion, MemoryIsReservedWhenAMapIsMadeAndCleared) {
+    constexpr std::size_t kLittle = 1u << 20;
+    const auto scan = test::randomCloud(1000, 3);
+    for (const auto& className : mapClassNames()) {
+        const auto plain = createMap(className), map = createMap(className);
+        plain->insertObservation(*scan);
+        auto& super = test::interfaceOf(*map);
+        TMapOptions o = super.options();
+        EXPECT_EQ(o.creation.reserve_megabytes, 0u);
+        o.creation.reserve_megabytes = 16;
+        super.setOptions(o);
+        const std::size_t reserved = super.memoryBytes();
+        EXPECT_GT(reserved, 10u << 20) << className;
+        EXPECT_LT(reserved, 13u << 20) << className;
+
+        EXPECT_TRUE(map->insertObservation(*scan));
+        EXPECT_EQ(super.digest(), test::interfaceOf(*plain).digest());
+        const std::size_t used = super.memoryBytes();
+        super.setOptions(super.options());
+        EXPECT_EQ(super.memoryBytes(), used) << "options as they were reserve nothing";
+
+        map->clear();
+        EXPECT_TRUE(map->isEmpty());
+        EXPECT_GE(super.memoryBytes() + kLittle, reserved) << className;
+        EXPECT_LE(super.memoryBytes(), reserved + kLittle) << className;
+        o = super.options();
+        o.creation.resolution *= 2;
+        super.setOptions(o);
+        EXPECT_GE(super.memoryBytes() + kLittle, reserved) << className;
+        EXPECT_LE(super.memoryBytes(), reserved + kLittle) << className;
+        o.creation.reserve_megabytes = 0;
+        super.setOptions(o);
+        map->clear();
+        EXPECT_LT(super.memoryBytes(), kLittle) << className;
+    }
+}
+
 TEST(Insertion, UnsupportedEmptyAndUnwantedObservationsChangeNothing) {
     CSuperRayOctoMap map(0.1);
     EXPECT_FALSE(map.insertObservation(mrpt::obs::CObservationOdometry()));

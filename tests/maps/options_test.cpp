@@ -25,7 +25,7 @@ TEST(Options, TextRoundTripKeepsEveryBit) {
     // default.
     const std::string defaults = TMapOptions().toText();
     ASSERT_EQ(linesOf(text), linesOf(defaults));
-    ASSERT_EQ(linesOf(text), 4u + 6u + 19u + 5u + 6u);
+    ASSERT_EQ(linesOf(text), 4u + 7u + 19u + 5u + 6u);
     std::istringstream a(text), b(defaults);
     std::size_t same = 0;
     for (std::string x, y; std::getline(a, x) && std::getline(b, y);) same += x == y ? 1 : 0;
@@ -102,6 +102,8 @@ TEST(Options, BadValuesNameSectionKeyValueAndRule) {
         {"creationOpts", "resolution", "nan", "resolution > 0"},
         {"creationOpts", "resolution", "0.1m", "must be a number"},
         {"creationOpts", "lazy_load_path", "/no/such/folder", "must be a folder"},
+        {"creationOpts", "reserve_megabytes", "1048577", "reserve_megabytes <= 1048576"},
+        {"creationOpts", "reserve_megabytes", "-1", "whole number"},
         {"creationOpts", "enableSaveAs3DObject", "maybe", "must be true or false"},
         {"insertOpts", "probHit", "0.5", "0.5 < probHit < 1"},
         {"insertOpts", "probMiss", "0.5", "0 < probMiss < 0.5"},
@@ -125,7 +127,7 @@ TEST(Options, BadValuesNameSectionKeyValueAndRule) {
         {"likelihoodOpts", "decimation", "0", "decimation >= 1"},
         {"renderOpts", "colour", "red", "height or occupancy"},
     };
-    ASSERT_EQ(lines.size(), 27u);
+    ASSERT_EQ(lines.size(), 29u);
     for (const auto& line : lines) {
         const CConfigFileMemory file("[m_" + std::string(line.section) + "]\n" + line.key +
                                      " = " + line.value + "\n");

@@ -198,7 +198,7 @@ TEST(ConfigFiles, TheAdvancedOneNamesEveryOptionWithItsDefault) {
             EXPECT_TRUE(file.keyExists(section, key)) << section << " " << key;
         }
     }
-    EXPECT_EQ(options, 36u);
+    EXPECT_EQ(options, 37u);
 }
 
 }  // namespace

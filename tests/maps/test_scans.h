@@ -121,6 +121,7 @@ inline const SuperRayMapInterface& interfaceOf(const mrpt::maps::CMetricMap& map
 inline TMapOptions unusualOptions() {
     TMapOptions o;
     o.creation.resolution = 1.0 / 7;  // not representable in few decimals
+    o.creation.reserve_megabytes = 3;
     o.creation.enableSaveAs3DObject = false;
     o.creation.enableObservationLikelihood = false;
     o.creation.enableObservationInsertion = false;

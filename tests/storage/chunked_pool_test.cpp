@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/resident_memory.h"
+
 namespace superray::test {
 namespace {
 
@@ -63,6 +65,33 @@ TEST(ChunkedPool, UsesReleasedNumbersAgain) {
     EXPECT_EQ(pool.allocate(), kMany - 1);
     EXPECT_EQ(pool.allocate(), 5u);
     EXPECT_EQ(pool.allocate(), kMany);
+}
+
+TEST(ChunkedPool, ReservedMemoryIsTakenBeforehand) {
+    for (const std::uint32_t count : {0u, 1000u}) {
+        Pool pool;
+        fill(pool, count);
+        // So much comes from the system, not from what the process had and freed.
+        constexpr std::size_t kReserved = std::size_t{48} << 20;
+        pool.reserve(kReserved);
+        const std::size_t taken = pool.memoryBytes();
+        EXPECT_GE(taken, kReserved + count * sizeof(Object));
+        pool.reserve(kReserved / 2);
+        EXPECT_EQ(pool.memoryBytes(), taken) << "that much is at hand already";
+#ifdef __linux__
+        const Object* const first = &pool[(count + 63) / 64 * 64];
+        const auto pages = pagesOf(first, kReserved);
+        EXPECT_EQ(pages.resident, pages.bytes);
+#endif
+        std::uint32_t made = count;
+        for (; made < count + kReserved / sizeof(Object); ++made) {
+            ASSERT_EQ(pool.allocate(), made);
+            pool[made].words.fill(7 * made + 1);
+        }
+        EXPECT_EQ(pool.memoryBytes(), taken);
+        expectFilled(pool, made);
+        expectFilled(Pool(pool), made);
+    }
 }
 
 TEST(ChunkedPool, CopiesAreIndependent) {

@@ -9,6 +9,8 @@
 #include <set>
 #include <thread>
 
+#include "core/resident_memory.h"
+
 namespace superray::test {
 namespace {
 
@@ -65,6 +67,37 @@ TEST(NodeArena, NothingOverlaps) {
     }
     EXPECT_GT(takings.made(), 100000u);
     EXPECT_GT(takings.bytes(), 1000000u);
+}
+
+TEST(NodeArena, ReservedMemoryIsUsedBeforeOther) {
+    constexpr std::size_t kReserved = 6 * NodeArena::kLastChunk;
+    NodeArena arena;
+    arena.reserve(kReserved + 5);
+    EXPECT_EQ(arena.reservedBytes(), kReserved);
+    EXPECT_EQ(arena.chunkBytes(), kReserved);
+    arena.reserve(kReserved);
+    EXPECT_EQ(arena.chunkBytes(), kReserved) << "that much is at hand already";
+    Takings takings(8);
+    {
+        NodeArena::Share one(arena), other(arena);
+        while (takings.bytes() < kReserved / 2) {
+#ifdef __linux__
+            one.reserve(kFamily);
+            void* const family = one.family();
+            // The page that it begins in.
+            const auto address = reinterpret_cast<std::uintptr_t>(family) / 4096 * 4096;
+            ASSERT_EQ(pagesOf(reinterpret_cast<void*>(address), 4096).resident, 4096u);
+            one.releaseFamily(family);
+#endif
+            for (int i = 0; i < 1000; ++i) takings.step(i % 2 == 0 ? one : other);
+        }
+        takings.checkAll();
+    }
+    EXPECT_EQ(arena.chunkBytes(), kReserved);
+    EXPECT_LT(arena.reservedBytes(), kReserved / 2);
+    arena.clear();
+    EXPECT_EQ(arena.reservedBytes(), 0u);
+    EXPECT_EQ(arena.chunkBytes(), 0u);
 }
 
 TEST(NodeArena, SharesOfSeveralThreadsDoNotOverlap) {

@@ -375,6 +375,26 @@ TYPED_TEST(OccupancyMapContract, MemoryGrowsWithContents) {
     EXPECT_GT(this->map.memoryBytes(), before + this->oracle.size());
 }
 
+TYPED_TEST(OccupancyMapContract, ReservedMemoryIsUsedBeforeOther) {
+    constexpr std::size_t kReserved = 16u << 20;
+    this->map.reserve(kReserved);
+    const std::size_t reserved = this->map.memoryBytes();
+    EXPECT_GT(reserved, kReserved * 9 / 10);
+    EXPECT_LT(reserved, kReserved * 11 / 10);
+    this->map.reserve(kReserved);
+    EXPECT_EQ(this->map.memoryBytes(), reserved) << "that much is at hand already";
+    EXPECT_TRUE(this->map.empty());
+
+    this->applyRandomScans(10);
+    EXPECT_TRUE(equalsOracle<TypeParam::Dim>(this->map, this->oracle));
+    EXPECT_LT(this->map.memoryBytes(), reserved * 21 / 20) << "only hash tables grow";
+    this->map.reserve(kReserved);
+    EXPECT_TRUE(equalsOracle<TypeParam::Dim>(this->map, this->oracle));
+    EXPECT_LE(this->map.clone()->memoryBytes(), this->map.memoryBytes());
+    this->map.clear();
+    EXPECT_LT(this->map.memoryBytes(), kReserved / 10);
+}
+
 TEST(OccupancyMap, SwapRefusesAnotherType) {
     BlockGrid<3> grid{CellGeometry<3>(0.1)};
     Octree tree{CellGeometry<3>(0.1)};

@@ -90,6 +90,14 @@ const ScanStatistics& ScanIntegrator<Dim>::statistics() const {
 }
 
 template <int Dim>
+void ScanIntegrator<Dim>::reserve(std::size_t bytes, unsigned threads) {
+    IntegratorOptions options;
+    options.threads = threads;
+    options.validate();
+    impl_->walk.reserve(bytes, threads);
+}
+
+template <int Dim>
 const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& rays,
                                                        const SensorModel& model,
                                                        const IntegratorOptions& options,

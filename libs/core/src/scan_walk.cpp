@@ -225,6 +225,12 @@ const WalkState<Dim>& ScanWalk<Dim>::finish() {
 }
 
 template <int Dim>
+void ScanWalk<Dim>::reserve(std::size_t bytes, unsigned threads) {
+    if (shares_.size() < threads) shares_.resize(threads);
+    for (std::size_t s = 0; s < threads; ++s) shares_[s].state.batch.reserve(bytes / threads);
+}
+
+template <int Dim>
 std::uint64_t ScanWalk<Dim>::culled() const {
     std::uint64_t n = 0;
     for (std::size_t s = 0; s < shareCount_; ++s) n += shares_[s].culled;

@@ -46,6 +46,9 @@ class ScanWalk {
 
     std::uint64_t culled() const;
 
+    /// Has so many bytes at hand for the counts of a scan. Ends the last one.
+    void reserve(std::size_t bytes, unsigned threads);
+
  private:
     /// Kinds of rays, and lone rays.
     static constexpr std::size_t kSortedKinds = DirectionTiles<Dim>::kKinds + 1;

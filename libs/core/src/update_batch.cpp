@@ -45,6 +45,21 @@ void UpdateBatch<Dim>::clear() {
 }
 
 template <int Dim>
+void UpdateBatch<Dim>::reserve(std::size_t bytes) {
+    constexpr std::size_t kBlocksWithHits = 4;  // one of so many has hits, at most, usually
+    constexpr std::size_t kBytesPerBlock =
+        kCells + kCells / kBlocksWithHits + sizeof(BlockKey<Dim>) + sizeof(std::int32_t);
+    const std::size_t blocks = bytes / kBytesPerBlock;
+    clear();
+    // What has been made and forgotten stays, and has been touched.
+    keys_.resize(blocks);
+    hitSlots_.resize(blocks);
+    misses_.append(blocks * kCells);
+    hits_.append(blocks / kBlocksWithHits * kCells);
+    clear();
+}
+
+template <int Dim>
 std::size_t UpdateBatch<Dim>::memoryBytes() const {
     return keys_.capacity() * sizeof(keys_[0]) + hitSlots_.capacity() * sizeof(hitSlots_[0]) +
            misses_.capacity() + hits_.capacity();

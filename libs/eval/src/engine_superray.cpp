@@ -18,6 +18,9 @@ class SuperrayEngine final : public BenchEngine {
         map_.insertionOptions.policy = options.policy;
         map_.insertionOptions.threads = options.threads;
         map_.insertionOptions.superRayThreshold = options.superRayThreshold;
+        TMapOptions reserving = map_.options();
+        reserving.creation.reserve_megabytes = options.reserveMegabytes;
+        map_.setOptions(reserving);
     }
 
     void prepare(const PointScan& scan) override { scan_ = &scan; }

@@ -98,6 +98,7 @@ std::vector<RealtimeRun> runRealtime(const RealtimeRequest& request, std::ostrea
             options.threads = threads;
             options.policy = request.policy;
             options.bounds = scans.bounds;
+            options.reserveMegabytes = request.reserveMegabytes;
             const auto engine = info.make(options);
             RealtimeRun run;
             run.engine = name;

@@ -32,7 +32,8 @@ std::string realtimeAsText(const RealtimeRequest& request,
         << (request.training == TrainingPoints::all
                 ? "all points"
                 : percent(1 - request.testShare) + " of the points")
-        << "\n";
+        << "; grid and octree take " << request.reserveMegabytes
+        << " MB before the first scan\n";
     TextTable table({"engine", "threads", "used", "lost", "mean ms", "max ms", "accuracy",
                      "occupied", "free"});
     for (const RealtimeRun& run : runs)
@@ -55,6 +56,7 @@ std::string realtimeAsJson(const RealtimeRequest& request,
                         {"rate", request.rate},
                         {"all_points", request.training == TrainingPoints::all},
                         {"policy", toString(request.policy)},
+                        {"reserve_megabytes", request.reserveMegabytes},
                         {"engine", run.engine},
                         {"threads", run.threads},
                         {"scans_used", run.scansUsed},

@@ -18,6 +18,7 @@ void visitCreation(O& o, Visit visit) {
     visit("resolution", o.resolution, "[m] cell edge");
     visit("load_from", o.load_from, "native map file to start from");
     visit("lazy_load_path", o.lazy_load_path, "folder of externally stored observations");
+    visit("reserve_megabytes", o.reserve_megabytes, "memory to take beforehand");
     visit("enableSaveAs3DObject", o.enableSaveAs3DObject, "show this map");
     visit("enableObservationLikelihood", o.enableObservationLikelihood, "use its likelihood");
     visit("enableObservationInsertion", o.enableObservationInsertion, "insert into it");
@@ -73,6 +74,8 @@ void visitOptions(O& o, Visit visit) {
     if constexpr (std::is_same_v<Options, TLikelihoodOptions>) visitLikelihood(o, visit);
     if constexpr (std::is_same_v<Options, TRenderingOptions>) visitRendering(o, visit);
 }
+
+constexpr std::uint32_t kMostReserved = 1u << 20;  // [MB]: more is a mistake in the unit
 
 void require(bool rule, const char* key, double value, const char* text) {
     if (rule) return;
@@ -132,6 +135,8 @@ void TCreationOptions::saveToConfigFile(mrpt::config::CConfigFileBase& target,
 void TCreationOptions::validate() const {
     require(std::isfinite(resolution) && resolution > 0, "resolution", resolution,
             "resolution > 0");
+    require(reserve_megabytes <= kMostReserved, "reserve_megabytes", reserve_megabytes,
+            "reserve_megabytes <= 1048576");
     if (!lazy_load_path.empty() && !std::filesystem::is_directory(lazy_load_path))
         throw std::invalid_argument("lazy_load_path = " + lazy_load_path +
                                     ": must be a folder that exists");

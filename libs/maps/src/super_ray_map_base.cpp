@@ -52,6 +52,7 @@ CSuperRayMapBase<Dim>::CSuperRayMapBase(const CSuperRayMapBase& other)
       likelihoodOptions(other.likelihoodOptions),
       renderingOptions(other.renderingOptions),
       type_(other.type_),
+      reserveMegabytes_(other.reserveMegabytes_),
       storage_(other.storage_),
       surface_(other.surface_),
       last_(other.last_),
@@ -68,6 +69,7 @@ CSuperRayMapBase<Dim>& CSuperRayMapBase<Dim>::operator=(const CSuperRayMapBase& 
     likelihoodOptions = other.likelihoodOptions;
     renderingOptions = other.renderingOptions;
     type_ = other.type_;
+    reserveMegabytes_ = other.reserveMegabytes_;
     storage_ = other.storage_;
     surface_ = other.surface_;
     last_ = other.last_;
@@ -105,6 +107,7 @@ void CSuperRayMapBase<Dim>::setResolution(double metres) {
                                std::to_string(resolution()) + " m) cannot be changed to " +
                                std::to_string(metres) + " m; clear() it first");
     storage_ = makeEmptyStorage(metres);
+    reserveMemory();
     contentsChanged();
 }
 
@@ -112,6 +115,7 @@ template <int Dim>
 TMapOptions CSuperRayMapBase<Dim>::options() const {
     TMapOptions o;
     o.creation.resolution = resolution();
+    o.creation.reserve_megabytes = reserveMegabytes_;
     o.creation.enableSaveAs3DObject = genericMapParams.enableSaveAs3DObject;
     o.creation.enableObservationLikelihood = genericMapParams.enableObservationLikelihood;
     o.creation.enableObservationInsertion = genericMapParams.enableObservationInsertion;
@@ -127,16 +131,19 @@ void CSuperRayMapBase<Dim>::setOptions(const TMapOptions& o) {
     o.insertion.validate();
     o.likelihood.validate();
     useLazyLoadPath(o.creation.lazy_load_path);
+    const bool reserving = o.creation.reserve_megabytes != reserveMegabytes_;
     if (o.creation.load_from.empty()) {
         setResolution(o.creation.resolution);
     } else {
         loadFromFile(o.creation.load_from);
     }
     assignOptions(o);
+    if (reserving || !o.creation.load_from.empty()) reserveMemory();
 }
 
 template <int Dim>
 void CSuperRayMapBase<Dim>::assignOptions(const TMapOptions& o) {
+    reserveMegabytes_ = o.creation.reserve_megabytes;
     genericMapParams.enableSaveAs3DObject = o.creation.enableSaveAs3DObject;
     genericMapParams.enableObservationLikelihood = o.creation.enableObservationLikelihood;
     genericMapParams.enableObservationInsertion = o.creation.enableObservationInsertion;
@@ -152,6 +159,14 @@ void CSuperRayMapBase<Dim>::replaceAll(SharedStorage<Dim> storage, const TMapOpt
     surface_.reset();
     last_ = totals_ = {};
     contentsChanged();
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::reserveMemory() {
+    if (reserveMegabytes_ == 0) return;
+    const std::size_t bytes = std::size_t{reserveMegabytes_} << 20;
+    integrator_.reserve(bytes / 4, insertionOptions.integratorOptions().threads);
+    storage_.writable().reserve(bytes - bytes / 4);
 }
 
 // --- changes ------------------------------------------------------------------
@@ -170,6 +185,7 @@ void CSuperRayMapBase<Dim>::internal_clear() {
     surface_.reset();
     last_ = totals_ = {};
     contentsChanged();
+    reserveMemory();
 }
 
 template <int Dim>

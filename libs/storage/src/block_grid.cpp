@@ -200,6 +200,11 @@ bool BlockGrid<Dim>::empty() const {
 }
 
 template <int Dim>
+void BlockGrid<Dim>::reserve(std::size_t bytes) {
+    impl_->reserve(bytes);
+}
+
+template <int Dim>
 std::size_t BlockGrid<Dim>::memoryBytes() const {
     return sizeof(Impl) + impl_->table.memoryBytes() + impl_->payloads.memoryBytes() +
            impl_->layers.memoryBytes();

@@ -44,6 +44,13 @@ class BlockTable {
         return placeIn(page, key);
     }
 
+    /// So that values of so many bytes can be made without asking the system.
+    void reserve(std::size_t bytes) {
+        const std::size_t values = values_.size();
+        values_.resize(values + bytes / sizeof(Value));  // touches them
+        values_.resize(values);
+    }
+
     Value& operator[](Place place) { return values_[place]; }
     const Value& operator[](Place place) const { return values_[place]; }
 

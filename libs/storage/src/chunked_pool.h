@@ -52,6 +52,19 @@ class ChunkedPool {
             free_.reserve(std::max(2 * free_.capacity(), free_.size() + n));
     }
 
+    /// So that so many bytes of objects can be given out without asking the system: their
+    /// memory has been touched. \throws std::bad_alloc, std::length_error
+    void reserve(std::size_t bytes) {
+        constexpr std::size_t kChunkBytes = kChunk * sizeof(T);
+        const std::size_t wanted = bytes / kChunkBytes;
+        const std::size_t unused = chunks_.size() - (used_ + kChunk - 1) / kChunk;
+        if (wanted <= unused) return;
+        addSlab(wanted - unused);
+        // Not of T's: they are made when they are given out.
+        std::memset(static_cast<void*>(slabs_.back().memory.get()), 0,
+                    (wanted - unused) * kChunkBytes);
+    }
+
     void clear() {
         slabs_.clear();
         chunks_.clear();

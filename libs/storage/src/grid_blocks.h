@@ -134,6 +134,18 @@ struct Blocks {
         return layers[p.layers[index >> 6]].values[index & 63];
     }
 
+    /// Memory for blocks to come, of so many bytes in all.
+    void reserve(std::size_t bytes) {
+        // What a block takes outdoors: half of its layers, and with its neighbours that
+        // are absent, values of three in the table.
+        constexpr std::size_t kTable = 3 * sizeof(Block), kPayload = sizeof(Payload<Dim>),
+                              kLayers = (Payload<Dim>::kLayers + 1) / 2 * sizeof(Layer);
+        const std::size_t blocks = bytes / (kTable + kPayload + kLayers);
+        table.reserve(blocks * kTable);
+        payloads.reserve(blocks * kPayload);
+        layers.reserve(blocks * kLayers);
+    }
+
     /// \param values scratch memory
     void visit(const BlockKey<Dim>& key, const Block& block,
                std::array<float, kBlockCells<Dim>>& values,

@@ -1,6 +1,7 @@
 #include "node_arena.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace superray {
 
@@ -28,6 +29,13 @@ NodeArena::FreeList NodeArena::FreeList::takeSome(std::size_t n) {
     return taken;
 }
 
+NodeArena::Range NodeArena::findChunk(std::size_t least) {
+    if (reserved_.empty() || least > kLastChunk) return newChunk(least);
+    const Range chunk = reserved_.back();
+    reserved_.pop_back();
+    return chunk;
+}
+
 NodeArena::Range NodeArena::newChunk(std::size_t least) {
     // Of small pages: huge ones save a fifth of an update where the system has them
     // at hand, but on virtual machines whose host must provide them first they take
@@ -44,6 +52,7 @@ NodeArena::Range NodeArena::newChunk(std::size_t least) {
 void NodeArena::swap(NodeArena& o) noexcept {
     chunks_.swap(o.chunks_);
     ranges_.swap(o.ranges_);
+    reserved_.swap(o.reserved_);
     std::swap(nodes_, o.nodes_);
     std::swap(families_, o.families_);
     std::swap(chunkBytes_, o.chunkBytes_);
@@ -54,9 +63,20 @@ void NodeArena::swap(NodeArena& o) noexcept {
 void NodeArena::clear() noexcept {
     chunks_.clear();
     ranges_.clear();
+    reserved_.clear();
     nodes_ = families_ = {};
     chunkBytes_ = 0;
     noteFree();
+}
+
+void NodeArena::reserve(std::size_t bytes) {
+    // In pieces, as several shares take them.
+    reserved_.reserve(bytes / kLastChunk);
+    while (reserved_.size() < bytes / kLastChunk) {
+        const Range fresh = newChunk(kLastChunk);
+        std::memset(fresh.begin, 0, fresh.size());
+        reserved_.push_back(fresh);
+    }
 }
 
 NodeArena::Share::Share(NodeArena& arena) : arena_(arena) {
@@ -104,7 +124,7 @@ void NodeArena::Share::findRoom(std::size_t bytes) {
         if (enough->size() == 0) ranges.erase(enough);
         return;
     }
-    const Range fresh = arena_.newChunk(bytes);
+    const Range fresh = arena_.findChunk(bytes);
     if (spare_.size() > 0) ranges.push_back(spare_);
     spare_ = fresh;
 }

@@ -31,8 +31,13 @@ class NodeArena {
     /// \pre no shares of either
     void swap(NodeArena& o) noexcept;
     void clear() noexcept;  ///< \pre no shares
+    /// Has so many bytes that were never used at hand, touched.
+    /// \throws std::bad_alloc  \pre no shares
+    void reserve(std::size_t bytes);
     /// Memory taken from the system.
     std::size_t chunkBytes() const { return chunkBytes_; }
+    /// What of that was reserved and no share has taken yet.
+    std::size_t reservedBytes() const { return reserved_.size() * kLastChunk; }
 
  private:
     struct Free {
@@ -52,6 +57,7 @@ class NodeArena {
         std::byte* end = nullptr;
         std::size_t size() const { return static_cast<std::size_t>(end - begin); }
     };
+    Range findChunk(std::size_t least);
     Range newChunk(std::size_t least);
     void noteFree() {
         freeNodes_ = nodes_.first != nullptr;
@@ -62,7 +68,8 @@ class NodeArena {
 
     std::mutex mutex_;  // of what follows, while there are shares
     std::vector<std::unique_ptr<std::byte[]>> chunks_;
-    std::vector<Range> ranges_;  // never used so far
+    std::vector<Range> ranges_;    // never used so far
+    std::vector<Range> reserved_;  // touched, of kLastChunk bytes each
     FreeList nodes_, families_;
     std::size_t chunkBytes_ = 0;
     std::size_t shares_ = 0;

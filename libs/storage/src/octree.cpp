@@ -67,8 +67,12 @@ bool Octree::empty() const {
     return impl_->nodes.root() == nullptr;
 }
 
+void Octree::reserve(std::size_t bytes) {
+    impl_->nodes.reserve(bytes);
+}
+
 std::size_t Octree::memoryBytes() const {
-    return impl_->nodes.memoryUsage();
+    return impl_->nodes.memoryUsage() + impl_->nodes.reservedBytes();
 }
 
 BlockSaturation<3> Octree::saturation(const BlockKey<3>& key, float lowerClamp) const {

@@ -218,6 +218,9 @@ class OcTreeNodes final : public octomap::OcTree {
         size_changed = o.size_changed = true;  // OctoMap's cached bounds
     }
 
+    void reserve(std::size_t bytes) { arena_.reserve(bytes); }
+    std::size_t reservedBytes() const { return arena_.reservedBytes(); }
+
     void clearNodes() {
         octomap::OcTree::root = nullptr;
         tree_size = 0;

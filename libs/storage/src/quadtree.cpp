@@ -94,6 +94,7 @@ class QuadNodes {
     };
 
     std::size_t memoryBytes() const { return families_.memoryBytes(); }
+    void reserve(std::size_t bytes) { families_.reserve(bytes); }
     void clear() {
         families_.clear();
         root_ = kNull;
@@ -173,6 +174,10 @@ void Quadtree::clear() {
 }
 bool Quadtree::empty() const {
     return impl_->nodes.root() == kNone;
+}
+
+void Quadtree::reserve(std::size_t bytes) {
+    impl_->nodes.reserve(bytes);
 }
 
 std::size_t Quadtree::memoryBytes() const {

@@ -98,6 +98,13 @@ class ScanIntegrator {
                                       const IntegratorOptions& options,
                                       const SaturationSource<Dim>* map);
 
+    /// Takes about so many bytes from the system for the counts of scans, and touches
+    /// them, so that the first scans need not wait for page faults. What integrate()
+    /// returned is not valid any longer.
+    /// \param threads as in the options of scans to come
+    /// \throws std::bad_alloc, std::invalid_argument as IntegratorOptions::validate()
+    void reserve(std::size_t bytes, unsigned threads);
+
     /// Statistics of the last integrate().
     const ScanStatistics& statistics() const;
 

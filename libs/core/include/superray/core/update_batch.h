@@ -54,6 +54,9 @@ class UpdateBatch {
     }
     /// Forgets all blocks; keeps the memory.
     void clear();
+    /// Forgets all blocks, and has about so many bytes of memory at hand, touched.
+    /// \throws std::bad_alloc
+    void reserve(std::size_t bytes);
     std::size_t memoryBytes() const;
 
  private:

@@ -21,6 +21,8 @@ struct BenchEngineOptions {
     std::uint32_t superRayThreshold = 20;
     /// Where the data are, for engines whose map has a fixed size [m].
     Eigen::AlignedBox3f bounds;
+    /// [MB] of memory that our maps take before the first scan.
+    std::uint32_t reserveMegabytes = 0;
 };
 
 /// What an engine tells about the last scan, or the sum over many. Zeros where

@@ -29,6 +29,9 @@ struct RealtimeRequest {
     std::vector<unsigned> threads = {1};
     UpdatePolicy policy = UpdatePolicy::everyRay;
     TrainingPoints training = TrainingPoints::share;
+    /// [MB] that our maps take before the first scan, as a robot's would; see
+    /// TCreationOptions::reserve_megabytes.
+    std::uint32_t reserveMegabytes = 256;
     double testShare = 0.2;      ///< in (0, 1): of the points of each scan
     std::uint64_t testSeed = 1;  ///< of the choice of test points
     /// \throws InputError, std::invalid_argument

@@ -27,6 +27,11 @@ struct TCreationOptions : public mrpt::config::CLoadableOptions {
     /// `<rawlog name>_Images`; empty: as the program says. MRPT has one such folder per
     /// process: it is set when the options are, and is not kept with the map.
     std::string lazy_load_path;
+    /// [MB], at most 1048576: memory taken from the system, and touched, when the map is
+    /// made and whenever it is cleared, so that the first scans of a robot that must
+    /// keep up do not wait for it: a quarter of it for the counts of a scan, the rest
+    /// for the map. Each copy that is cleared has its own. 0: none.
+    std::uint32_t reserve_megabytes = 0;
     bool enableSaveAs3DObject = true;         ///< MRPT: visualisation on
     bool enableObservationLikelihood = true;  ///< MRPT: likelihood on
     bool enableObservationInsertion = true;   ///< MRPT: insertion on

@@ -166,6 +166,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     /// Takes over what was read; does not throw half-way.
     void replaceAll(SharedStorage<Dim> storage, const TMapOptions& options);
     void assignOptions(const TMapOptions& options);
+    /// Takes the memory that creation.reserve_megabytes asks for.
+    void reserveMemory();
     /// All of the contents may be different.
     void contentsChanged();
     void recordChange(const UpdateBatch<Dim>& batch);
@@ -179,6 +181,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     std::shared_ptr<mrpt::opengl::COctoMapVoxels> visualization() const;
 
     StorageType type_;
+    std::uint32_t reserveMegabytes_ = 0;
     SharedStorage<Dim> storage_;
     std::shared_ptr<SurfaceStatistics<Dim>> surface_;  ///< null: none yet
     ScanIntegrator<Dim> integrator_;

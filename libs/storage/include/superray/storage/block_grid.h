@@ -28,6 +28,7 @@ class BlockGrid final : public OccupancyMap<Dim> {
                     const typename OccupancyMap<Dim>::BlockVisitor& visit) const override;
     void clear() override;
     bool empty() const override;
+    void reserve(std::size_t bytes) override;
     std::size_t memoryBytes() const override;
     BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float lowerClamp) const override;
 

@@ -34,6 +34,7 @@ class Octree final : public OccupancyMap<3> {
     bool visitBlock(const BlockKey<3>& key, const BlockVisitor& visit) const override;
     void clear() override;
     bool empty() const override;
+    void reserve(std::size_t bytes) override;
     std::size_t memoryBytes() const override;
     BlockSaturation<3> saturation(const BlockKey<3>& key, float lowerClamp) const override;
 

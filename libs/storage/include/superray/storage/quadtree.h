@@ -25,6 +25,7 @@ class Quadtree final : public OccupancyMap<2> {
     bool visitBlock(const BlockKey<2>& key, const BlockVisitor& visit) const override;
     void clear() override;
     bool empty() const override;
+    void reserve(std::size_t bytes) override;
     std::size_t memoryBytes() const override;
     BlockSaturation<2> saturation(const BlockKey<2>& key, float lowerClamp) const override;
 
