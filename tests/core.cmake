@@ -1,11 +1,11 @@
 foreach(name cell sensor_model ray_bundle ray_line super_rays culling_region update_batch
         large_memory shared_list mask_fill in_turns attempts packed_triple ray_sample
-        parallel walk_kernels horizon equivalence)
+        share_balance parallel walk_kernels horizon equivalence)
   superray_add_test(core_${name}_test SOURCES core/${name}_test.cpp LIBS superray::core)
 endforeach()
 # Internal headers: kernels that only some processors run, and what they rest on.
 foreach(name large_memory shared_list mask_fill in_turns attempts packed_triple
-        ray_sample walk_kernels horizon)
+        ray_sample share_balance walk_kernels horizon)
   target_include_directories(core_${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/libs/core/src)
 endforeach()
 

@@ -25,6 +25,10 @@ constexpr std::size_t kWorkPerRay = 4;
 /// So many chosen rays ahead, coordinates are fetched into the cache.
 constexpr std::size_t kAhead = 32;
 
+/// What there is to do for any ray, in slices; and so many of the chosen ones tell for all.
+constexpr double kWorkOfAnyRay = 8;
+constexpr std::size_t kChosenForOne = 16;
+
 /// Fewer slices than these are walked side by side.
 constexpr std::int32_t kFewSlices = 6;
 
@@ -55,6 +59,7 @@ void HorizonWalk<Dim>::begin(const HorizonScan<Dim>& scan, WalkState<Dim>& state
     sampling_ = scan.sampling;
     sampleEffect_ = {};
     culled_ = 0;
+    work_ = 0;
     origin_ = RayLine<Dim>::unitsOf(rays_->geometry(), rays_->commonOrigin());
     for (std::uint32_t kind = 0; kind < waiting_.size(); ++kind)
         for (RayLanes& lanes : waiting_[kind]) lanes.kind = kind;
@@ -74,6 +79,7 @@ void HorizonWalk<Dim>::walk(std::size_t first, std::size_t last) {
 
     lookAround(count);
     culled_ += count;
+    work_ = kWorkOfAnyRay * static_cast<double>(count);
     settleSensorCell(count);
     if (sampling_ == Sampling::whereItMayRepay) sample(count);
     walkLast(count);
@@ -159,18 +165,32 @@ std::size_t HorizonWalk<Dim>::walkSample(const std::vector<std::uint32_t>& rays)
         chosen_[n] = ray;
         n += horizon_.firstOpen(spot_[ray]) <= lastSlice_[ray];
     }
+    noteWork(n, 1);
     walkChosen(*this, {0, n});
     walkWaiting();
     for (std::size_t i = 0; i < n; ++i) spot_[chosen_[i]] = tiles_.firstSpot(tiles_.spent());
     return n;
 }
 
+/// Adds the slices of the chosen rays to the work, by one of so many.
+template <int Dim>
+void HorizonWalk<Dim>::noteWork(std::size_t chosen, std::size_t oneOf) {
+    std::size_t slices = 0;
+    for (std::size_t i = 0; i < chosen; i += oneOf) {
+        const std::uint32_t ray = chosen_[i];
+        slices += lastSlice_[ray] + std::size_t{1} - horizon_.firstOpen(spot_[ray]);
+    }
+    work_ += static_cast<double>(slices * oneOf);
+}
+
 /// Walks the last rays of a part that have something to tell, as far as the horizon
 /// knows, with the help of others: nothing that these read may change afterwards.
 template <int Dim>
 void HorizonWalk<Dim>::walkLast(std::size_t count) {
-    list_->publish(kernels_.chooseRays(spot_.data(), lastSlice_.data(), count,
-                                       horizon_.openings(), chosen_.data()));
+    const std::size_t chosen = kernels_.chooseRays(spot_.data(), lastSlice_.data(), count,
+                                                   horizon_.openings(), chosen_.data());
+    list_->publish(chosen);
+    noteWork(chosen, kChosenForOne);
     while (const auto piece = list_->take()) walkChosen(*this, *piece);
     walkWaiting();
 }

@@ -52,6 +52,9 @@ class HorizonWalk {
     /// Rays that were cut short or left out, since begin().
     std::uint64_t culled() const { return culled_; }
     const SampleEffect& sampleEffect() const { return sampleEffect_; }
+    /// How much there was to do for the rays of walk(), whoever did it: slices to walk,
+    /// or what takes as long.
+    double work() const { return work_; }
 
  private:
     // Numbers of rays are among the part that walk() is at; `count` is its size.
@@ -63,6 +66,7 @@ class HorizonWalk {
     double slicesLeft(std::size_t count) const;
     bool worthLooking(double slices) const;
     std::size_t walkSample(const std::vector<std::uint32_t>& rays);
+    void noteWork(std::size_t chosen, std::size_t oneOf);
     void walkLast(std::size_t count);
     void walkChosen(const HorizonWalk& owner, ListPiece piece);
     void walkWaiting();
@@ -93,6 +97,7 @@ class HorizonWalk {
     // Rays that wait for others, per kind: those with many, with few slices left.
     std::array<std::array<RayLanes, 2>, DirectionTiles<Dim>::kKinds> waiting_;
     std::uint64_t culled_ = 0;
+    double work_ = 0;
 };
 
 }  // namespace superray

@@ -133,12 +133,15 @@ bool ScanWalk<Dim>::sortingRepays() const {
 }
 
 template <int Dim>
-void ScanWalk<Dim>::learnFromSample() {
+void ScanWalk<Dim>::learn() {
     SampleEffect sum;
+    work_.clear();
     for (std::size_t s = 0; s < shareCount_; ++s) {
         sum.before += shares_[s].horizon.sampleEffect().before;
         sum.after += shares_[s].horizon.sampleEffect().after;
+        work_.push_back(shares_[s].horizon.work());
     }
+    balance_.learn(work_);
     if (sum.before > 0) sampleRepays_.learn(sum.after < kRepays * sum.before);
 }
 
@@ -149,6 +152,7 @@ void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const Sens
         sampleRepays_.tryNow() ? Sampling::whereItMayRepay : Sampling::never;
     const bool sorting = sortingRepays();
     if (sorting) sortByDirection();
+    balance_.begin(shareCount_);
     const HorizonScan<Dim> scan{sorting ? *sorted_ : *rays_, map, {model, policy}, sampling};
     inParallel(shareCount_, [&](std::size_t s) {
         Share& share = shares_[s];
@@ -157,13 +161,13 @@ void ScanWalk<Dim>::walkFromHorizon(const SaturationSource<Dim>* map, const Sens
             const EndOfWalk<Dim> atEnd{walk};
             if (!sorting) share.state.reset(blocks_);
             walk.begin(scan, share.state);
-            walk.walk(firstRay(s, rays_->size()), firstRay(s + 1, rays_->size()));
+            walk.walk(balance_.first(rays_->size(), s), balance_.first(rays_->size(), s + 1));
         }
         for (std::size_t i = 1; i < shareCount_; ++i)
             walk.help(shares_[(s + i) % shareCount_].horizon);
         share.culled += walk.culled();
     });
-    learnFromSample();
+    learn();
 }
 
 /// Orders the rays by kind, so that threads take rays that go different ways, and few

@@ -11,6 +11,7 @@
 #include "horizon_walk.h"
 #include "ray_walker.h"
 #include "scan_extent.h"
+#include "share_balance.h"
 
 #include <array>
 #include <optional>
@@ -67,7 +68,7 @@ class ScanWalk {
         return shareBegin(rays, share, shareCount_);
     }
     bool sortingRepays() const;
-    void learnFromSample();
+    void learn();
     void countEndCells();
     void sortByDirection();
     void findKinds(Share& share, std::size_t first, std::size_t last);
@@ -78,6 +79,8 @@ class ScanWalk {
     std::vector<Share> shares_{1};
     std::size_t shareCount_ = 1;
     Attempts sampleRepays_;
+    ShareBalance balance_;  // of walkFromHorizon()
+    std::vector<double> work_;
 };
 
 }  // namespace superray
