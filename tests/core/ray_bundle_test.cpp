@@ -171,6 +171,23 @@ TEST(RayBundle, CoordinatesAreInSinglePrecisionAsLongAsItHoldsThem) {
     EXPECT_EQ(rays.end(0), Point<3>(0.4, 0.5, 0.6));
 }
 
+// GCC 12 takes double{float(x)} for x in the last of three such expressions in a row, where
+// it finds them worth vectorising (-O2): whatever asks this must be tested per axis.
+TEST(RayBundle, CoordinatesOfAnyAxisMayNeedDoubles) {
+    const CellGeometry<3> g(0.1);
+    for (int a = 0; a < 3; ++a) {
+        Point<3> end(0.25, 0.5, 0.75);
+        end[a] = 0.30000000000000004;
+        RayBundle<3> one(g, {0, 0, 0}), many(g, {0, 0, 0});
+        one.add(end);
+        many.addReturns(end.data(), 1);
+        for (const RayBundle<3>* rays : {&one, &many}) {
+            EXPECT_FALSE(rays->singlePrecision()) << a;
+            EXPECT_EQ(rays->end(0), end);
+        }
+    }
+}
+
 template <int Dim, typename Scalar>
 void checkReturnsInThreads() {
     constexpr std::size_t kCount = 100001;
