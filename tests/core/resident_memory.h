@@ -21,7 +21,7 @@ inline PagesOf pagesOf(const void* area, std::size_t bytes) {
     const auto address = reinterpret_cast<std::uintptr_t>(area);
     const std::uintptr_t begin = (address + page - 1) / page * page;
     std::vector<unsigned char> pages((address + bytes - begin) / page);
-    // mincore() takes the address as it is to change the area.
+    // mincore() asks for a pointer to what may be changed, but changes nothing.
     EXPECT_EQ(mincore(reinterpret_cast<void*>(begin), pages.size() * page, pages.data()), 0);
     const auto resident =
         std::count_if(pages.begin(), pages.end(), [](auto p) { return p & 1; });

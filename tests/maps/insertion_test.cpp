@@ -156,7 +156,9 @@ TEST(Insertion, MemoryIsReservedWhenAMapIsMadeAndCleared) {
         EXPECT_GE(super.memoryBytes() + kLittle, reserved) << className;
         EXPECT_LE(super.memoryBytes(), reserved + kLittle) << className;
         o.creation.reserve_megabytes = 0;
+        o.creation.resolution *= 2;
         super.setOptions(o);
+        EXPECT_LT(super.memoryBytes(), kLittle) << "a new storage reserves what is asked now";
         map->clear();
         EXPECT_LT(super.memoryBytes(), kLittle) << className;
     }

@@ -83,6 +83,10 @@ TEST(ChunkedPool, ReservedMemoryIsTakenBeforehand) {
         const auto pages = pagesOf(first, kReserved);
         EXPECT_EQ(pages.resident, pages.bytes);
 #endif
+        const Pool copy(pool);
+        expectFilled(copy, count);
+        EXPECT_LT(copy.memoryBytes(), (count + 64) * sizeof(Object) * 11 / 10)
+            << "only what is used is copied";
         std::uint32_t made = count;
         for (; made < count + kReserved / sizeof(Object); ++made) {
             ASSERT_EQ(pool.allocate(), made);

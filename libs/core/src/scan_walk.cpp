@@ -135,13 +135,13 @@ bool ScanWalk<Dim>::sortingRepays() const {
 template <int Dim>
 void ScanWalk<Dim>::learn() {
     SampleEffect sum;
-    work_.clear();
+    std::vector<double> work;
     for (std::size_t s = 0; s < shareCount_; ++s) {
         sum.before += shares_[s].horizon.sampleEffect().before;
         sum.after += shares_[s].horizon.sampleEffect().after;
-        work_.push_back(shares_[s].horizon.work());
+        work.push_back(shares_[s].horizon.work());
     }
-    balance_.learn(work_);
+    balance_.learn(work);
     if (sum.before > 0) sampleRepays_.learn(sum.after < kRepays * sum.before);
 }
 

@@ -80,7 +80,6 @@ class ScanWalk {
     std::size_t shareCount_ = 1;
     Attempts sampleRepays_;
     ShareBalance balance_;  // of walkFromHorizon()
-    std::vector<double> work_;
 };
 
 }  // namespace superray

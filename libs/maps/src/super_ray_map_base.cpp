@@ -100,15 +100,20 @@ std::string CSuperRayMapBase<Dim>::asString() const {
 // --- options ----------------------------------------------------------------
 
 template <int Dim>
-void CSuperRayMapBase<Dim>::setResolution(double metres) {
-    if (metres == resolution()) return;
+bool CSuperRayMapBase<Dim>::changeResolution(double metres) {
+    if (metres == resolution()) return false;
     if (!isEmpty())
         throw std::logic_error(shortClassName() + ": the resolution of a map with contents (" +
                                std::to_string(resolution()) + " m) cannot be changed to " +
                                std::to_string(metres) + " m; clear() it first");
     storage_ = makeEmptyStorage(metres);
-    reserveMemory();
     contentsChanged();
+    return true;
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::setResolution(double metres) {
+    if (changeResolution(metres)) reserveMemory();
 }
 
 template <int Dim>
@@ -131,14 +136,15 @@ void CSuperRayMapBase<Dim>::setOptions(const TMapOptions& o) {
     o.insertion.validate();
     o.likelihood.validate();
     useLazyLoadPath(o.creation.lazy_load_path);
-    const bool reserving = o.creation.reserve_megabytes != reserveMegabytes_;
+    bool reserving = o.creation.reserve_megabytes != reserveMegabytes_;
     if (o.creation.load_from.empty()) {
-        setResolution(o.creation.resolution);
+        reserving |= changeResolution(o.creation.resolution);
     } else {
         loadFromFile(o.creation.load_from);
+        reserving = true;
     }
     assignOptions(o);
-    if (reserving || !o.creation.load_from.empty()) reserveMemory();
+    if (reserving) reserveMemory();
 }
 
 template <int Dim>

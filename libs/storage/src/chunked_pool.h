@@ -22,8 +22,9 @@ class ChunkedPool {
  public:
     ChunkedPool() = default;
     ChunkedPool(const ChunkedPool& o) : free_(o.free_), used_(o.used_) {
-        if (!o.chunks_.empty()) addSlab(o.chunks_.size());
-        for (std::size_t i = 0; i * kChunk < used_; ++i)
+        // Not those that were reserved and never used.
+        if (used_ > 0) addSlab(usedChunks());
+        for (std::size_t i = 0; i < usedChunks(); ++i)
             std::memcpy(chunks_[i], o.chunks_[i], kChunk * sizeof(T));
     }
     ChunkedPool(ChunkedPool&&) noexcept = default;
@@ -57,7 +58,7 @@ class ChunkedPool {
     void reserve(std::size_t bytes) {
         constexpr std::size_t kChunkBytes = kChunk * sizeof(T);
         const std::size_t wanted = bytes / kChunkBytes;
-        const std::size_t unused = chunks_.size() - (used_ + kChunk - 1) / kChunk;
+        const std::size_t unused = chunks_.size() - usedChunks();
         if (wanted <= unused) return;
         addSlab(wanted - unused);
         // Not of T's: they are made when they are given out.
@@ -92,6 +93,8 @@ class ChunkedPool {
     };
     static constexpr std::size_t kMostChunks = 64;  ///< in a slab
     static constexpr std::size_t kSpare = 128;      ///< of so many chunks, one may be unused
+
+    std::size_t usedChunks() const { return (std::size_t{used_} + kChunk - 1) / kChunk; }
 
     void addSlab(std::size_t chunks) {
         constexpr std::size_t kMost = (std::size_t{1} << 32) / kChunk - 1;

@@ -166,6 +166,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     /// Takes over what was read; does not throw half-way.
     void replaceAll(SharedStorage<Dim> storage, const TMapOptions& options);
     void assignOptions(const TMapOptions& options);
+    /// \return whether it was another, so that there is a new storage, without a reserve
+    bool changeResolution(double metres);
     /// Takes the memory that creation.reserve_megabytes asks for.
     void reserveMemory();
     /// All of the contents may be different.

@@ -103,8 +103,8 @@ class SuperRayMapInterface {
     virtual const TInsertionReport& lastInsertion() const = 0;
     virtual const TInsertionReport& totals() const = 0;
 
-    /// All options (a copy; `creation` holds the resolution and the generic
-    /// parameters that are in force).
+    /// All options (a copy; `creation` holds the resolution, the reserve and the
+    /// generic parameters that are in force).
     virtual TMapOptions options() const = 0;
     /// Replaces all options. With load_from, the contents and the resolution of
     /// that file too; else the resolution may change only while the map is empty.

@@ -84,7 +84,8 @@ class OccupancyMap : public SaturationSource<Dim> {
     /// Takes memory from the system for contents to come, and touches it, so that updates
     /// need not wait for page faults: about so many bytes, less what is at hand already.
     /// It counts as held. clear() gives it back, and clones do not get it.
-    /// \throws std::bad_alloc, and leaves the contents as they are
+    /// \throws std::bad_alloc, std::length_error (more blocks or nodes than a map can
+    /// have), and leaves the contents as they are
     virtual void reserve(std::size_t bytes) = 0;
     /// Bytes held by the contents (allocator overhead included as far as known).
     virtual std::size_t memoryBytes() const = 0;
