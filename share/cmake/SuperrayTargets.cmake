@@ -28,7 +28,8 @@ function(superray_add_library name)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(
     ${target} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
-                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+              PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   superray_target_settings(${target})
   install(TARGETS ${target} EXPORT superray-targets
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}

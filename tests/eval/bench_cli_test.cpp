@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "eval/bench_scans.h"
+#include "eval/engines/bench_scans.h"
 #include "eval/run_program.h"
 #include "eval/temp_folder.h"
 

@@ -1,7 +1,7 @@
 // When memory runs out in the middle of an update, the map stays whole, and every block
 // is as it was or as it should become.
 
-#include "storage/octree_test_tools.h"
+#include "storage/tree/octree_test_tools.h"
 
 #include <superray/storage/block_grid.h>
 

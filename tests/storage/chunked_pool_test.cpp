@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/resident_memory.h"
+#include "core/memory/resident_memory.h"
 
 namespace superray::test {
 namespace {

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "scratch_array.h"
-#include "walk_kernel.h"
+#include "memory/scratch_array.h"
+#include "kernels/walk_kernel.h"
 
 namespace superray {
 

@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "scan_extent.h"
+#include "directions/scan_extent.h"
 #include "scan_walk.h"
 
 namespace superray {

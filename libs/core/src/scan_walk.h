@@ -6,12 +6,12 @@
 #include <superray/core/parallel.h>
 #include <superray/core/super_rays.h>
 
-#include "attempts.h"
-#include "end_cells.h"
-#include "horizon_walk.h"
-#include "ray_walker.h"
-#include "scan_extent.h"
-#include "share_balance.h"
+#include "threads/attempts.h"
+#include "paper/end_cells.h"
+#include "skipping/horizon_walk.h"
+#include "paper/ray_walker.h"
+#include "directions/scan_extent.h"
+#include "threads/share_balance.h"
 
 #include <array>
 #include <optional>

@@ -1,0 +1,59 @@
+#pragma once
+// One thread's walk through its share of the rays.
+
+#include <superray/core/culling_region.h>
+#include <superray/core/ray_bundle.h>
+
+#include "kernels/walk_kernel.h"
+
+namespace superray {
+
+template <int Dim>
+class RayWalker {
+ public:
+    /// \param region may be empty
+    RayWalker(WalkState<Dim>& state, const RayBundle<Dim>& rays,
+              const CullingRegion<Dim>& region)
+        : state_(state), rays_(rays), region_(region) {
+        static const WalkKernel<Dim> best = bestKernels<Dim>().walk,
+                                     portable = portableKernels<Dim>().walk;
+        kernel_ = state.directory.dense() ? best : portable;
+    }
+    RayWalker(const RayWalker&) = delete;
+    RayWalker& operator=(const RayWalker&) = delete;
+    ~RayWalker() { state_.flush(weight_); }
+
+    /// Counts the free cells of a ray outside the region, `weight` times.
+    void walk(std::size_t ray, std::uint32_t weight) {
+        const RayLine<Dim> line(rays_.geometry(), rays_.origin(ray), rays_.end(ray));
+        std::int32_t from = 0;
+        if (!region_.empty() && line.startCell() == region_.sensor()) {
+            from = firstSlice_ = region_.firstSliceToWalk(line, firstSlice_);
+            culled_ += from > 0;
+        }
+        if (weight != weight_ || state_.addresses.size() >= kFlushAt) {
+            state_.flush(weight_);
+            weight_ = weight;
+        }
+        state_.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
+        kernel_(state_, line, from);
+    }
+
+    /// Rays of which the region took a part.
+    std::uint64_t culled() const { return culled_; }
+
+ private:
+    /// Addresses gathered before they are counted: enough to keep the counting
+    /// loop free of mispredictions, few enough to stay in the L1 cache.
+    static constexpr std::size_t kFlushAt = 2048;
+
+    WalkState<Dim>& state_;
+    const RayBundle<Dim>& rays_;
+    const CullingRegion<Dim>& region_;
+    WalkKernel<Dim> kernel_;
+    std::uint32_t weight_ = 1;
+    std::int32_t firstSlice_ = 0;  // of the last ray: a good guess for the next
+    std::uint64_t culled_ = 0;
+};
+
+}  // namespace superray

@@ -1,0 +1,79 @@
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/serialization/CArchive.h>
+#include <superray/eval/input_error.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "sources/gz_input.h"
+#include "sources/scan_source_formats.h"
+
+namespace superray {
+namespace {
+
+mrpt::maps::CSimpleMap readSimpleMap(const std::string& path) {
+    GzInput file(path);
+    mrpt::maps::CSimpleMap map;
+    try {
+        auto archive = mrpt::serialization::archiveFrom(file);
+        archive >> map;
+    } catch (const std::exception& e) {
+        std::string why = file.error();
+        if (why.empty())
+            why = file.atEnd() ? "the file ends inside an object" : oneLineCause(e);
+        throw InputError(path + ": is not a whole simplemap: " + why);
+    }
+    return map;
+}
+
+class SimpleMapSource final : public ScanSource {
+ public:
+    SimpleMapSource(const std::string& path, const ScanSourceOptions& options) {
+        const PoseLookup poses(options);
+        const auto map = readSimpleMap(path);
+        std::vector<Trajectory::Time> times;
+        for (std::size_t i = 0; i < map.size() && scans_.size() < options.maxScans; ++i) {
+            const auto [posePdf, frame] = map.get(i);
+            if (!posePdf || !frame)
+                throw InputError(path + ": keyframe " + std::to_string(i) +
+                                 " lacks its pose or its observations");
+            const mrpt::poses::CPose3D T_map_robot = posePdf->getMeanVal();
+            for (const auto& observation : *frame) {
+                if (!isRangeObservation(*observation) ||
+                    !hasWantedLabel(*observation, options, skipped_))
+                    continue;
+                times.push_back(observation->timestamp);
+                const auto pose = poses.pose(observation->timestamp, T_map_robot);
+                if (!pose)
+                    ++skipped_.withoutPose;
+                else if (scans_.size() < options.maxScans)
+                    scans_.push_back({observation->timestamp, *pose, observation});
+            }
+        }
+        if (times.empty()) throwNoScans(path, options, skipped_);
+        const auto [first, last] = std::minmax_element(times.begin(), times.end());
+        if (scans_.empty()) poses.throwNoScanHasPose(path, *first, *last, {});
+    }
+
+    std::uint64_t total() const override { return scans_.size(); }
+    SkippedObservations skipped() const override { return skipped_; }
+
+    std::optional<Scan> next() override {
+        if (next_ == scans_.size()) return std::nullopt;
+        return std::move(scans_[next_++]);
+    }
+
+ private:
+    std::vector<Scan> scans_;
+    std::size_t next_ = 0;
+    SkippedObservations skipped_;
+};
+
+}  // namespace
+
+std::unique_ptr<ScanSource> openSimpleMap(const std::string& path,
+                                          const ScanSourceOptions& options) {
+    return std::make_unique<SimpleMapSource>(path, options);
+}
+
+}  // namespace superray

@@ -1,0 +1,320 @@
+#include <superray/maps/super_ray_map_base.h>
+
+#include <mrpt/img/CImage.h>
+#include <mrpt/io/lazy_load_path.h>
+#include <mrpt/obs/CObservation.h>
+#include <mrpt/opengl/COctoMapVoxels.h>
+#include <mrpt/opengl/CSetOfObjects.h>
+#include <superray/maps/observation_rays.h>
+
+#include <filesystem>
+#include <iostream>
+#include <sstream>
+#include <stdexcept>
+
+#include "matching/likelihood.h"
+#include "views/map_export.h"
+#include "matching/map_matching.h"
+#include "queries/obstacle_search.h"
+#include "views/voxel_view.h"
+
+namespace superray {
+namespace {
+
+/// Tells MRPT where externally stored observations are.
+void useLazyLoadPath(const std::string& folder) {
+    if (folder.empty()) return;
+    const std::string path = std::filesystem::absolute(folder).string();
+    mrpt::io::setLazyLoadPathBase(path);
+    mrpt::img::CImage::setImagesPathBase(path);
+}
+
+}  // namespace
+
+template <int Dim>
+CSuperRayMapBase<Dim>::CSuperRayMapBase(StorageType type, double resolution)
+    : type_(type),
+      storage_(makeEmptyStorage(resolution)),
+      distances_(std::make_unique<DistanceField<Dim>>()),
+      obstaclePoints_(std::make_unique<ObstaclePoints<Dim>>()),
+      view_(std::make_unique<VoxelView<Dim>>()) {}
+
+template <int Dim>
+CSuperRayMapBase<Dim>::~CSuperRayMapBase() = default;
+
+// The integrator, the view, the distances and the points are not copied: they only hold what
+// can be made again. Nor is the change log: its stamps are this map's own.
+template <int Dim>
+CSuperRayMapBase<Dim>::CSuperRayMapBase(const CSuperRayMapBase& other)
+    : mrpt::maps::CMetricMap(other),
+      SuperRayMapInterface(other),
+      insertionOptions(other.insertionOptions),
+      likelihoodOptions(other.likelihoodOptions),
+      renderingOptions(other.renderingOptions),
+      type_(other.type_),
+      reserveMegabytes_(other.reserveMegabytes_),
+      storage_(other.storage_),
+      surface_(other.surface_),
+      last_(other.last_),
+      totals_(other.totals_),
+      distances_(std::make_unique<DistanceField<Dim>>()),
+      obstaclePoints_(std::make_unique<ObstaclePoints<Dim>>()),
+      view_(std::make_unique<VoxelView<Dim>>()) {}
+
+template <int Dim>
+CSuperRayMapBase<Dim>& CSuperRayMapBase<Dim>::operator=(const CSuperRayMapBase& other) {
+    if (this == &other) return *this;
+    mrpt::maps::CMetricMap::operator=(other);
+    insertionOptions = other.insertionOptions;
+    likelihoodOptions = other.likelihoodOptions;
+    renderingOptions = other.renderingOptions;
+    type_ = other.type_;
+    reserveMegabytes_ = other.reserveMegabytes_;
+    storage_ = other.storage_;
+    surface_ = other.surface_;
+    last_ = other.last_;
+    totals_ = other.totals_;
+    contentsChanged();
+    return *this;
+}
+
+template <int Dim>
+SharedStorage<Dim> CSuperRayMapBase<Dim>::makeEmptyStorage(double metres) const {
+    return SharedStorage<Dim>(makeStorage<Dim>(type_, CellGeometry<Dim>(metres)));
+}
+
+template <int Dim>
+std::string CSuperRayMapBase<Dim>::shortClassName() const {
+    const std::string name = GetRuntimeClass()->className;
+    return name.substr(name.rfind(':') + 1);
+}
+
+template <int Dim>
+std::string CSuperRayMapBase<Dim>::asString() const {
+    std::ostringstream text;
+    text << shortClassName() << ", " << resolution() << " m cells, " << totals_.scans
+         << " scans inserted, " << memoryBytes() / 1024 << " KiB";
+    return text.str();
+}
+
+// --- options ----------------------------------------------------------------
+
+template <int Dim>
+bool CSuperRayMapBase<Dim>::changeResolution(double metres) {
+    if (metres == resolution()) return false;
+    if (!isEmpty())
+        throw std::logic_error(shortClassName() + ": the resolution of a map with contents (" +
+                               std::to_string(resolution()) + " m) cannot be changed to " +
+                               std::to_string(metres) + " m; clear() it first");
+    storage_ = makeEmptyStorage(metres);
+    contentsChanged();
+    return true;
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::setResolution(double metres) {
+    if (changeResolution(metres)) reserveMemory();
+}
+
+template <int Dim>
+TMapOptions CSuperRayMapBase<Dim>::options() const {
+    TMapOptions o;
+    o.creation.resolution = resolution();
+    o.creation.reserve_megabytes = reserveMegabytes_;
+    o.creation.enableSaveAs3DObject = genericMapParams.enableSaveAs3DObject;
+    o.creation.enableObservationLikelihood = genericMapParams.enableObservationLikelihood;
+    o.creation.enableObservationInsertion = genericMapParams.enableObservationInsertion;
+    o.insertion = insertionOptions;
+    o.likelihood = likelihoodOptions;
+    o.rendering = renderingOptions;
+    return o;
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::setOptions(const TMapOptions& o) {
+    o.creation.validate();
+    o.insertion.validate();
+    o.likelihood.validate();
+    useLazyLoadPath(o.creation.lazy_load_path);
+    bool reserving = o.creation.reserve_megabytes != reserveMegabytes_;
+    if (o.creation.load_from.empty()) {
+        reserving |= changeResolution(o.creation.resolution);
+    } else {
+        loadFromFile(o.creation.load_from);
+        reserving = true;
+    }
+    assignOptions(o);
+    if (reserving) reserveMemory();
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::assignOptions(const TMapOptions& o) {
+    reserveMegabytes_ = o.creation.reserve_megabytes;
+    genericMapParams.enableSaveAs3DObject = o.creation.enableSaveAs3DObject;
+    genericMapParams.enableObservationLikelihood = o.creation.enableObservationLikelihood;
+    genericMapParams.enableObservationInsertion = o.creation.enableObservationInsertion;
+    insertionOptions = o.insertion;
+    likelihoodOptions = o.likelihood;
+    renderingOptions = o.rendering;
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::replaceAll(SharedStorage<Dim> storage, const TMapOptions& o) {
+    assignOptions(o);
+    storage_ = std::move(storage);
+    surface_.reset();
+    last_ = totals_ = {};
+    contentsChanged();
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::reserveMemory() {
+    if (reserveMegabytes_ == 0) return;
+    const std::size_t bytes = std::size_t{reserveMegabytes_} << 20;
+    integrator_.reserve(bytes / 4, insertionOptions.integratorOptions().threads);
+    storage_.writable().reserve(bytes - bytes / 4);
+}
+
+// --- changes ------------------------------------------------------------------
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::contentsChanged() {
+    changes_.everything();
+    view_->forget();
+}
+
+// --- contents ---------------------------------------------------------------
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::internal_clear() {
+    storage_.clear();
+    surface_.reset();
+    last_ = totals_ = {};
+    contentsChanged();
+    reserveMemory();
+}
+
+template <int Dim>
+CellTotals CSuperRayMapBase<Dim>::cellTotals() const {
+    const auto s = summary();
+    return {s.known, s.occupied, s.free};
+}
+
+template <int Dim>
+std::optional<MetricBounds> CSuperRayMapBase<Dim>::metricBounds() const {
+    const auto s = summary();
+    if (s.known == 0) return std::nullopt;
+    MetricBounds bounds{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    for (int a = 0; a < Dim; ++a) {
+        bounds.lowest[a] = s.lowest[a] * resolution();
+        bounds.highest[a] = (s.highest[a] + 1) * resolution();
+    }
+    return bounds;
+}
+
+template <int Dim>
+mrpt::math::TBoundingBoxf CSuperRayMapBase<Dim>::boundingBox() const {
+    const auto bounds = metricBounds();
+    if (!bounds) return {};
+    const Eigen::Vector3f low = bounds->lowest.template cast<float>();
+    const Eigen::Vector3f high = bounds->highest.template cast<float>();
+    return {{low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()}};
+}
+
+// --- likelihood and matching --------------------------------------------------
+
+template <int Dim>
+bool CSuperRayMapBase<Dim>::internal_canComputeObservationLikelihood(
+    const mrpt::obs::CObservation& observation) const {
+    return insertionOptions.acceptsSensor(observation.sensorLabel) &&
+           canReadReturns(observation);
+}
+
+template <int Dim>
+double CSuperRayMapBase<Dim>::internal_computeObservationLikelihood(
+    const mrpt::obs::CObservation& observation, const mrpt::poses::CPose3D& robotPose) const {
+    if (!insertionOptions.acceptsSensor(observation.sensorLabel)) return 0;
+    likelihoodOptions.validate();
+    insertionOptions.validate();
+    const auto returns = readReturns(observation, {likelihoodOptions.decimation});
+    if (!returns) return 0;
+    TInsertionReport report;
+    const auto rays =
+        toRays(*returns, robotPose, storage_->geometry(), insertionOptions, report);
+    return endPointLogLikelihood<Dim>(
+        rays, *distances_, {*storage_, changes_, sensorModel().occupied()}, likelihoodOptions);
+}
+
+template <int Dim>
+float CSuperRayMapBase<Dim>::compute3DMatchingRatio(
+    const mrpt::maps::CMetricMap* other, const mrpt::poses::CPose3D& otherPose,
+    const mrpt::maps::TMatchingRatioParams& params) const {
+    return matchingRatio(*storage_, sensorModel(), other, otherPose, params);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::determineMatching3D(
+    const mrpt::maps::CMetricMap* other, const mrpt::poses::CPose3D& otherPose,
+    mrpt::tfest::TMatchingPairList& correspondences, const mrpt::maps::TMatchingParams& params,
+    mrpt::maps::TMatchingExtraResults& extraResults) const {
+    matchPoints(*storage_, surface_.get(), sensorModel(), other, otherPose, params,
+                correspondences, extraResults);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::determineMatching2D(
+    const mrpt::maps::CMetricMap* other, const mrpt::poses::CPose2D& otherPose,
+    mrpt::tfest::TMatchingPairList& correspondences, const mrpt::maps::TMatchingParams& params,
+    mrpt::maps::TMatchingExtraResults& extraResults) const {
+    matchPoints(*storage_, surface_.get(), sensorModel(), other,
+                mrpt::poses::CPose3D(otherPose), params, correspondences, extraResults);
+}
+
+// --- views --------------------------------------------------------------------
+
+template <int Dim>
+std::shared_ptr<mrpt::opengl::COctoMapVoxels> CSuperRayMapBase<Dim>::visualization() const {
+    return view_->draw(*storage_, sensorModel(), renderingOptions);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::getVisualizationInto(mrpt::opengl::CSetOfObjects& objects) const {
+    if (genericMapParams.enableSaveAs3DObject) objects.insert(visualization());
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::exportScene(const std::string& path) const {
+    GlScene scene;
+    scene.insert(visualization());
+    if (!scene.saveToFile(path)) throw std::runtime_error("cannot write " + path);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::exportOctomap(const std::string& path) const {
+    if constexpr (Dim == 3) {
+        writeOctomap(*storage_, sensorModel(), path);
+    } else {
+        throw std::invalid_argument("cannot write " + path + ": " + shortClassName() +
+                                    " is a 2D map, an OctoMap file holds 3D maps");
+    }
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::exportPly(const std::string& path) const {
+    writePly(*storage_, sensorModel(), path);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::exportPicture(const std::string& path) const {
+    if constexpr (Dim == 2) {
+        writePicture(*storage_, sensorModel(), path);
+    } else {
+        throw std::invalid_argument("cannot write " + path + ": " + shortClassName() +
+                                    " is a 3D map, a picture shows 2D maps");
+    }
+}
+
+template class CSuperRayMapBase<2>;
+template class CSuperRayMapBase<3>;
+
+}  // namespace superray

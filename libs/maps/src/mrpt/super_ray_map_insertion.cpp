@@ -1,0 +1,148 @@
+// Scans into the map.
+
+#include <mrpt/poses/CPose3DInterpolator.h>
+#include <superray/core/stopwatch.h>
+#include <superray/maps/observation_rays.h>
+#include <superray/maps/super_ray_map_base.h>
+
+#include <stdexcept>
+
+#include "views/voxel_view.h"
+
+namespace superray {
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>& batch) {
+    changes_.begin();
+    if (!changes_.recording()) return;
+    for (std::size_t b = 0; b < batch.blockCount(); ++b) changes_.add(batch.key(b));
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>& counts) {
+    changes_.begin();
+    if (!changes_.recording()) return;
+    for (const auto& entry : counts) changes_.add(blockOf<Dim>(entry.first));
+}
+
+template <int Dim>
+template <class ToBundle>
+bool CSuperRayMapBase<Dim>::insertReturns(const mrpt::obs::CObservation& observation,
+                                          ReturnTimes times, ToBundle toBundle) {
+    if (!insertionOptions.acceptsSensor(observation.sensorLabel)) return false;
+    insertionOptions.validate();
+    Stopwatch watch;
+    const auto returns = readReturns(
+        observation, {insertionOptions.decimation, insertionOptions.insertNoReturnRays,
+                      insertionOptions.noReturnRange, times, insertionOptions.sweepDuration});
+    if (!returns) return false;
+    TInsertionReport report;
+    const RayBundle<Dim> rays = toBundle(*returns, report);
+    report.toRaysSeconds = watch.lap();
+    integrate(rays, report);
+    return !rays.empty();
+}
+
+template <int Dim>
+bool CSuperRayMapBase<Dim>::internal_insertObservation(
+    const mrpt::obs::CObservation& observation,
+    const std::optional<const mrpt::poses::CPose3D>& robotPose) {
+    return insertReturns(observation, ReturnTimes::ignore,
+                         [&](const SensorReturns& returns, TInsertionReport& report) {
+                             return toRays(returns, robotPose.value_or(mrpt::poses::CPose3D()),
+                                           storage_->geometry(), insertionOptions, report);
+                         });
+}
+
+template <int Dim>
+bool CSuperRayMapBase<Dim>::insertObservationAlong(const mrpt::obs::CObservation& observation,
+                                                   const PoseAtTime& T_map_robot) {
+    if (!genericMapParams.enableObservationInsertion) return false;
+    return insertReturns(observation, ReturnTimes::read,
+                         [&](const SensorReturns& returns, TInsertionReport& report) {
+                             return toRaysAlong(returns, observation.timestamp, T_map_robot,
+                                                storage_->geometry(), insertionOptions, report);
+                         });
+}
+
+bool SuperRayMapInterface::insertObservationAlong(
+    const mrpt::obs::CObservation& observation,
+    const mrpt::poses::CPose3DInterpolator& trajectory) {
+    return insertObservationAlong(observation, [&](mrpt::Clock::time_point time) {
+        mrpt::poses::CPose3D pose;
+        bool valid = false;
+        trajectory.interpolate(time, pose, valid);
+        return valid ? std::optional<mrpt::poses::CPose3D>(pose) : std::nullopt;
+    });
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>& rays) {
+    if (rays.geometry().resolution() != resolution())
+        throw std::invalid_argument(shortClassName() + ": rays made for cells of " +
+                                    std::to_string(rays.geometry().resolution()) +
+                                    " m; must be " + std::to_string(resolution()) + " m");
+    TInsertionReport report;
+    report.skipped = rays.skipped();
+    integrate(rays, report);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>& rays) {
+    if (!insertionOptions.pointStatistics) return;
+    if (!surface_)
+        surface_ = std::make_shared<SurfaceStatistics<Dim>>(storage_->geometry());
+    else if (surface_.use_count() > 1)  // copies of this map have it too
+        surface_ = std::make_shared<SurfaceStatistics<Dim>>(*surface_);
+    surface_->add(rays);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionReport report) {
+    const SensorModel model = sensorModel();
+    const IntegratorOptions integration = insertionOptions.integratorOptions();
+    report.rays = rays.size();
+    if (!rays.empty()) {
+        report.scans = 1;
+        OccupancyMap<Dim>& map = storage_.writable();
+        Stopwatch watch;
+        const UpdateBatch<Dim>* applied = nullptr;
+        if (ScanIntegrator<Dim>::needsExactCounts(integration, model)) {
+            const auto counts = countCells(rays);
+            report.integrateSeconds = watch.lap();
+            report.work.rays = rays.size();
+            recordChange(counts);
+            view_->applied(counts);
+            map.apply(counts, model, integration.policy);
+        } else {
+            const auto& batch = integrator_.integrate(rays, model, integration, &map);
+            report.integrateSeconds = watch.lap();
+            report.work = integrator_.statistics();
+            recordChange(batch);
+            view_->applied(batch);
+            map.apply(batch, model, integration.policy, integration.threads);
+            applied = &batch;
+        }
+        addStatistics(rays);
+        report.applySeconds = watch.lap();
+        scanApplied(rays, applied);
+    }
+    last_ = report;
+    totals_ += report;
+}
+
+#define SUPERRAY_INSTANTIATE(Dim)                                                            \
+    template bool CSuperRayMapBase<Dim>::internal_insertObservation(                         \
+        const mrpt::obs::CObservation&, const std::optional<const mrpt::poses::CPose3D>&);   \
+    template bool CSuperRayMapBase<Dim>::insertObservationAlong(                             \
+        const mrpt::obs::CObservation&, const PoseAtTime&);                                  \
+    template void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>&);                  \
+    template void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>&);               \
+    template void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>&, TInsertionReport); \
+    template void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>&);              \
+    template void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>&);
+SUPERRAY_INSTANTIATE(2)
+SUPERRAY_INSTANTIATE(3)
+#undef SUPERRAY_INSTANTIATE
+
+}  // namespace superray

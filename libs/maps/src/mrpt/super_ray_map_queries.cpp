@@ -1,0 +1,109 @@
+// Questions to a map, parts of it, and maps made of two.
+
+#include <superray/maps/super_ray_map_base.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "queries/coarse_levels.h"
+#include "matching/likelihood.h"
+#include "queries/map_algebra.h"
+#include "queries/obstacle_search.h"
+#include "queries/ray_cast.h"
+#include "views/voxel_view.h"
+
+namespace superray {
+
+template <int Dim>
+std::optional<NearestObstacle> CSuperRayMapBase<Dim>::nearestObstacle(
+    const Eigen::Vector3d& point, double maxDistance) const {
+    if (!(maxDistance >= 0))
+        throw std::invalid_argument("nearest obstacle: the maximum distance must be >= 0");
+    const Point<Dim> p = point.head<Dim>();
+    if (!storage_->geometry().contains(p)) return std::nullopt;
+    return findNearestObstacle<Dim>(
+        *distances_, {*storage_, changes_, sensorModel().occupied()}, p, maxDistance);
+}
+
+template <int Dim>
+float CSuperRayMapBase<Dim>::squareDistanceToClosestCorrespondence(float x0, float y0) const {
+    return static_cast<float>(squaredDistanceFromAbove<Dim>(
+        *distances_, {*storage_, changes_, sensorModel().occupied()}, double{x0}, double{y0}));
+}
+
+template <int Dim>
+const mrpt::maps::CSimplePointsMap* CSuperRayMapBase<Dim>::getAsSimplePointsMap() const {
+    return obstaclePoints_->get(*distances_, {*storage_, changes_, sensorModel().occupied()});
+}
+
+template <int Dim>
+RayCastResult CSuperRayMapBase<Dim>::castRay(const Eigen::Vector3d& origin,
+                                             const Eigen::Vector3d& direction, double maxRange,
+                                             UnknownCells unknown) const {
+    return superray::castRay<Dim>(*storage_, sensorModel().occupied(), origin.head<Dim>(),
+                                  direction.head<Dim>(), maxRange, unknown);
+}
+
+template <int Dim>
+std::optional<float> CSuperRayMapBase<Dim>::logOddsAtLevel(const Eigen::Vector3d& point,
+                                                           unsigned level,
+                                                           LevelRule rule) const {
+    const Point<Dim> p = point.head<Dim>();
+    if (!storage_->geometry().contains(p)) return std::nullopt;
+    return superray::logOddsAtLevel<Dim>(*storage_, storage_->geometry().cellOf(p), level,
+                                         rule);
+}
+
+template <int Dim>
+mrpt::maps::CMetricMap::Ptr CSuperRayMapBase<Dim>::subMap(const MetricBounds& box) const {
+    auto cells = makeStorage<Dim>(type_, storage_->geometry());
+    copyBox<Dim>(*storage_, box, *cells);
+    // The copy of the map costs nothing: its cells are shared.
+    auto copy = std::dynamic_pointer_cast<mrpt::maps::CMetricMap>(duplicateGetSmartPtr());
+    auto& part = dynamic_cast<CSuperRayMapBase&>(*copy);
+    part.storage_ = SharedStorage<Dim>(std::move(cells));
+    part.last_ = part.totals_ = {};
+    part.contentsChanged();
+    return copy;
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::merge(const mrpt::maps::CMetricMap& other,
+                                  const mrpt::poses::CPose3D& T_map_other) {
+    const auto* from = dynamic_cast<const CSuperRayMapBase*>(&other);
+    if (!from)
+        throw std::invalid_argument(shortClassName() + ": cannot merge a " +
+                                    other.GetRuntimeClass()->className + "; must be a " +
+                                    std::to_string(Dim) + "D map of this library");
+    const auto blocks =
+        mergedBlocks<Dim>(*storage_, *from->storage_, T_map_other, sensorModel());
+    if (blocks.empty()) return;
+    changes_.begin();
+    view_->forget();
+    OccupancyMap<Dim>& map = storage_.writable();
+    for (const auto& block : blocks) {
+        changes_.add(block.key);
+        map.setBlock({block.key, block.values.data(), block.known});
+    }
+}
+
+#define SUPERRAY_INSTANTIATE(Dim)                                                              \
+    template std::optional<NearestObstacle> CSuperRayMapBase<Dim>::nearestObstacle(            \
+        const Eigen::Vector3d&, double) const;                                                 \
+    template float CSuperRayMapBase<Dim>::squareDistanceToClosestCorrespondence(float, float)  \
+        const;                                                                                 \
+    template const mrpt::maps::CSimplePointsMap* CSuperRayMapBase<Dim>::getAsSimplePointsMap() \
+        const;                                                                                 \
+    template RayCastResult CSuperRayMapBase<Dim>::castRay(                                     \
+        const Eigen::Vector3d&, const Eigen::Vector3d&, double, UnknownCells) const;           \
+    template std::optional<float> CSuperRayMapBase<Dim>::logOddsAtLevel(                       \
+        const Eigen::Vector3d&, unsigned, LevelRule) const;                                    \
+    template mrpt::maps::CMetricMap::Ptr CSuperRayMapBase<Dim>::subMap(const MetricBounds&)    \
+        const;                                                                                 \
+    template void CSuperRayMapBase<Dim>::merge(const mrpt::maps::CMetricMap&,                  \
+                                               const mrpt::poses::CPose3D&);
+SUPERRAY_INSTANTIATE(2)
+SUPERRAY_INSTANTIATE(3)
+#undef SUPERRAY_INSTANTIATE
+
+}  // namespace superray

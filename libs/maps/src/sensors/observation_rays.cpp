@@ -1,0 +1,193 @@
+#include <superray/maps/mrpt_compat.h>
+#include <superray/maps/observation_rays.h>
+
+#include <chrono>
+
+#include "sensors/sensor_returns.h"
+
+namespace superray {
+namespace {
+
+/// Calls f with the observation as what it is; a default result for others.
+template <class F>
+auto visitObservation(const mrpt::obs::CObservation& o, F f)
+    -> decltype(f(std::declval<const mrpt::obs::CObservation2DRangeScan&>())) {
+    using namespace mrpt::obs;
+    if (const auto* scan = dynamic_cast<const CObservation3DRangeScan*>(&o)) return f(*scan);
+    if (const auto* scan = dynamic_cast<const CObservationVelodyneScan*>(&o)) return f(*scan);
+    if (const auto* scan = dynamic_cast<const CObservationPointCloud*>(&o)) return f(*scan);
+    if (const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&o)) return f(*scan);
+    if (const auto* scan = dynamic_cast<const CObservationRotatingScan*>(&o)) return f(*scan);
+    return {};
+}
+
+bool hasData(const mrpt::obs::CObservation3DRangeScan& o) {
+    return o.hasRangeImage || o.hasPoints3D;
+}
+bool hasData(const mrpt::obs::CObservationVelodyneScan& o) {
+    return !o.scan_packets.empty() || o.point_cloud.size() > 0;
+}
+bool hasData(const mrpt::obs::CObservationPointCloud& o) {
+    return o.pointcloud || o.isExternallyStored();
+}
+bool hasData(const mrpt::obs::CObservation2DRangeScan& o) {
+    return o.getScanSize() > 0;
+}
+bool hasData(const mrpt::obs::CObservationRotatingScan& o) {
+    return HasOrganizedPoints<mrpt::obs::CObservationRotatingScan>::value || o.rowCount == 1;
+}
+
+}  // namespace
+
+bool canReadReturns(const mrpt::obs::CObservation& observation) {
+    return visitObservation(observation, [](const auto& scan) { return hasData(scan); });
+}
+
+std::optional<SensorReturns> readReturns(const mrpt::obs::CObservation& observation,
+                                         const ReturnOptions& options) {
+    return visitObservation(observation, [&](const auto& scan) { return read(scan, options); });
+}
+
+namespace {
+
+/// Sensor points to the map frame.
+struct Transform {
+    Eigen::Matrix3d R;
+    Eigen::Vector3d t;
+
+    explicit Transform(const mrpt::poses::CPose3D& T_map_sensor)
+        : t(T_map_sensor.x(), T_map_sensor.y(), T_map_sensor.z()) {
+        const auto& rotation = T_map_sensor.getRotationMatrix();
+        for (int r = 0; r < 3; ++r)
+            for (int c = 0; c < 3; ++c) R(r, c) = rotation(r, c);
+    }
+    Eigen::Vector3d operator()(const Eigen::Vector3f& p_sensor) const {
+        return R * p_sensor.cast<double>() + t;
+    }
+};
+
+/// The transform of a time, made anew only when the time changes.
+class MovingSensor {
+ public:
+    MovingSensor(const SensorReturns& returns, mrpt::Clock::time_point timestamp,
+                 const PoseAtTime& T_map_robot)
+        : returns_(returns), timestamp_(timestamp), T_map_robot_(T_map_robot) {}
+
+    /// nullptr if there is no pose
+    const Transform* at(float seconds) {
+        if (!known_ || seconds != seconds_) {
+            known_ = true;
+            seconds_ = seconds;
+            const auto after = std::chrono::duration<double>(double{seconds});
+            const auto pose = T_map_robot_(
+                timestamp_ + std::chrono::duration_cast<mrpt::Clock::duration>(after));
+            transform_.reset();
+            if (pose) transform_.emplace(*pose + returns_.sensorOnRobot);
+        }
+        return transform_ ? &*transform_ : nullptr;
+    }
+
+ private:
+    const SensorReturns& returns_;
+    mrpt::Clock::time_point timestamp_;
+    const PoseAtTime& T_map_robot_;
+    bool known_ = false;
+    float seconds_ = 0;
+    std::optional<Transform> transform_;
+};
+
+/// Calls addRay(point in the map, kind, transform) for all that is in the height band.
+/// \param transformOf(times, i) nullptr: no pose is known
+template <class TransformOf, class AddRay>
+void forEachRay(const SensorReturns& returns, const TInsertionOptions& options,
+                TInsertionReport& report, TransformOf transformOf, AddRay addRay) {
+    const auto add = [&](const std::vector<Eigen::Vector3f>& points,
+                         const std::vector<float>& times, RayEnd kind) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Transform* transform = transformOf(i < times.size() ? times[i] : 0.0f);
+            if (!transform) {
+                ++report.withoutPose;
+                continue;
+            }
+            const Eigen::Vector3d p_map = (*transform)(points[i]);
+            // NaN passes both tests; the bundle skips and counts it.
+            if (!returns.planar &&
+                (p_map.z() < options.heightBandMin || p_map.z() > options.heightBandMax)) {
+                ++report.outOfHeightBand;
+                continue;
+            }
+            addRay(p_map, kind, *transform);
+        }
+    };
+    add(returns.hits, returns.hitTimes, RayEnd::hit);
+    add(returns.noReturns, returns.noReturnTimes, RayEnd::open);
+    report.noReturns += returns.noReturnCount;
+}
+
+}  // namespace
+
+template <int Dim>
+RayBundle<Dim> toRays(const SensorReturns& returns, const mrpt::poses::CPose3D& T_map_robot,
+                      const CellGeometry<Dim>& geometry, const TInsertionOptions& options,
+                      TInsertionReport& report) {
+    const Transform T_map_sensor(T_map_robot + returns.sensorOnRobot);
+    RayBundle<Dim> rays(geometry, T_map_sensor.t.template head<Dim>(), options.rangeLimits());
+    rays.reserve(returns.hits.size() + returns.noReturns.size());
+    // Returns are handed over in batches, in order.
+    constexpr std::size_t kBatch = 256;
+    std::vector<Point<Dim>> batch;
+    batch.reserve(kBatch);
+    const auto handOver = [&] {
+        if (!batch.empty()) rays.addReturns(batch.data()->data(), batch.size());
+        batch.clear();
+    };
+    forEachRay(
+        returns, options, report, [&](float) { return &T_map_sensor; },
+        [&](const Eigen::Vector3d& p_map, RayEnd kind, const Transform&) {
+            if (kind == RayEnd::hit) {
+                batch.push_back(p_map.template head<Dim>());
+                if (batch.size() == kBatch) handOver();
+            } else {
+                handOver();
+                rays.add(p_map.template head<Dim>(), kind);
+            }
+        });
+    handOver();
+    report.skipped += rays.skipped();
+    return rays;
+}
+
+template <int Dim>
+RayBundle<Dim> toRaysAlong(const SensorReturns& returns, mrpt::Clock::time_point timestamp,
+                           const PoseAtTime& T_map_robot, const CellGeometry<Dim>& geometry,
+                           const TInsertionOptions& options, TInsertionReport& report) {
+    MovingSensor sensor(returns, timestamp, T_map_robot);
+    // The common origin is that of the first ray that has a pose.
+    std::optional<RayBundle<Dim>> rays;
+    forEachRay(
+        returns, options, report, [&](float seconds) { return sensor.at(seconds); },
+        [&](const Eigen::Vector3d& p_map, RayEnd kind, const Transform& T_map_sensor) {
+            const Point<Dim> origin = T_map_sensor.t.template head<Dim>();
+            if (!rays) {
+                rays.emplace(geometry, origin, options.rangeLimits());
+                rays->reserve(returns.hits.size() + returns.noReturns.size());
+            }
+            rays->add(origin, p_map.template head<Dim>(), kind);
+        });
+    if (!rays) return RayBundle<Dim>(geometry, Point<Dim>::Zero(), options.rangeLimits());
+    report.skipped += rays->skipped();
+    return *std::move(rays);
+}
+
+#define SUPERRAY_INSTANTIATE(Dim)                                                      \
+    template RayBundle<Dim> toRays(const SensorReturns&, const mrpt::poses::CPose3D&,  \
+                                   const CellGeometry<Dim>&, const TInsertionOptions&, \
+                                   TInsertionReport&);                                 \
+    template RayBundle<Dim> toRaysAlong(const SensorReturns&, mrpt::Clock::time_point, \
+                                        const PoseAtTime&, const CellGeometry<Dim>&,   \
+                                        const TInsertionOptions&, TInsertionReport&);
+SUPERRAY_INSTANTIATE(2)
+SUPERRAY_INSTANTIATE(3)
+#undef SUPERRAY_INSTANTIATE
+
+}  // namespace superray

@@ -1,0 +1,87 @@
+#include <superray/maps/mrpt_compat.h>
+
+#include "sensors/sensor_returns.h"
+
+namespace superray {
+
+std::optional<SensorReturns> read(const mrpt::obs::CObservation2DRangeScan& scan,
+                                  const ReturnOptions& options) {
+    if (scan.getScanSize() == 0) return std::nullopt;
+    SensorReturns out;
+    out.sensorOnRobot = scan.sensorPose;
+    out.planar = true;
+    ReturnCollector to(out, options, scan.maxRange);
+    // Not getScanAngle(): it divides by zero for a scan of one ray.
+    const std::size_t n = scan.getScanSize();
+    const double span = scan.rightToLeft ? scan.aperture : -scan.aperture;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!to.next()) continue;
+        const double fraction =
+            n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) : 0.5;
+        to.measuredAt(fraction * options.sweepSeconds);
+        const double angle = span * (fraction - 0.5);
+        const Eigen::Vector3f direction(static_cast<float>(std::cos(angle)),
+                                        static_cast<float>(std::sin(angle)), 0.0f);
+        if (scan.getScanRangeValidity(i)) {
+            to.hit(direction * scan.getScanRange(i));
+        } else {
+            to.noReturn(direction);
+        }
+    }
+    return out;
+}
+
+namespace {
+
+template <class Scan>
+std::optional<SensorReturns> readRotating(const Scan& scan, const ReturnOptions& options) {
+    SensorReturns out;
+    out.sensorOnRobot = scan.sensorPose;
+    ReturnCollector to(out, options, scan.maxRange);
+    if constexpr (HasOrganizedPoints<Scan>::value) {
+        const auto& points = scan.organizedPoints;
+        for (int r = 0; r < static_cast<int>(points.rows()); ++r)
+            for (int c = 0; c < static_cast<int>(points.cols()); ++c) {
+                if (!to.next()) continue;
+                const auto& p = points(r, c);
+                if (p.x == 0 && p.y == 0 && p.z == 0) {
+                    to.invalid();
+                } else {
+                    to.hit({static_cast<float>(p.x), static_cast<float>(p.y),
+                            static_cast<float>(p.z)});
+                }
+            }
+        if (!out.hits.empty()) return out;
+    }
+    // Several rows need vertical angles, which the class does not have.
+    if (scan.rowCount != 1 || scan.rangeImage.rows() != 1 || scan.rangeImage.cols() < 1)
+        return std::nullopt;
+    out.planar = true;
+    const int n = static_cast<int>(scan.rangeImage.cols());
+    for (int i = 0; i < n; ++i) {
+        if (!to.next()) continue;
+        const double fraction = n > 1 ? i / static_cast<double>(n - 1) : 0.5;
+        to.measuredAt(fraction * options.sweepSeconds);
+        const double azimuth = scan.startAzimuth + scan.azimuthSpan * fraction;
+        const Eigen::Vector3f direction(static_cast<float>(std::cos(azimuth)),
+                                        static_cast<float>(std::sin(azimuth)), 0.0f);
+        const double range = scan.rangeImage(0, i) * scan.rangeResolution;
+        if (range == 0) {
+            to.noReturn(direction);
+        } else if (range < scan.minRange || range > scan.maxRange) {
+            to.invalid();
+        } else {
+            to.hit(direction * static_cast<float>(range));
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+std::optional<SensorReturns> read(const mrpt::obs::CObservationRotatingScan& scan,
+                                  const ReturnOptions& options) {
+    return readRotating(scan, options);
+}
+
+}  // namespace superray

@@ -1,0 +1,70 @@
+#include <sstream>
+#include <stdexcept>
+
+#include "sensors/camera_directions.h"
+#include "sensors/loaded_observation.h"
+#include "sensors/sensor_returns.h"
+
+namespace superray {
+namespace {
+
+using mrpt::obs::CObservation3DRangeScan;
+
+bool nothingExternalInMemory(const CObservation3DRangeScan& scan) {
+    const bool image = scan.rangeImage_isExternallyStored();
+    const bool points = scan.points3D_isExternallyStored();
+    return (image || points) && !(image && scan.rangeImage.size() > 0) &&
+           !(points && !scan.points3D_x.empty());
+}
+
+void readRangeImage(const CObservation3DRangeScan& scan, SensorReturns& out,
+                    ReturnCollector& to) {
+    const auto& image = scan.rangeImage;
+    const auto rows = static_cast<std::size_t>(image.rows());
+    const auto columns = static_cast<std::size_t>(image.cols());
+    const auto& camera = scan.cameraParams;
+    if (rows != camera.nrows || columns != camera.ncols) {
+        std::ostringstream message;
+        message << "range image of " << columns << " x " << rows
+                << " pixels: must have the size of its camera parameters, " << camera.ncols
+                << " x " << camera.nrows;
+        throw std::invalid_argument(message.str());
+    }
+    const auto directions =
+        pixelDirections(camera, scan.range_is_depth ? RangeKind::depth : RangeKind::range);
+    const std::size_t pixels = rows * columns;
+    out.hits.reserve(pixels);
+    const std::uint16_t* values = image.data();
+    for (std::size_t i = 0; i < pixels; ++i) {
+        if (!to.next()) continue;
+        if (values[i] == 0) {
+            to.noReturn((*directions)[i]);
+        } else {
+            to.hit((*directions)[i] * (static_cast<float>(values[i]) * scan.rangeUnits));
+        }
+    }
+}
+
+}  // namespace
+
+std::optional<SensorReturns> read(const CObservation3DRangeScan& scan,
+                                  const ReturnOptions& options) {
+    const LoadedObservation loaded(scan, nothingExternalInMemory(scan));
+    SensorReturns out;
+    out.sensorOnRobot = scan.sensorPose;
+    ReturnCollector to(out, options, scan.maxRange);
+    if (scan.hasRangeImage && scan.rangeImage.size() > 0) {
+        readRangeImage(scan, out, to);
+    } else if (scan.hasPoints3D) {
+        if (scan.points3D_y.size() != scan.points3D_x.size() ||
+            scan.points3D_z.size() != scan.points3D_x.size())
+            throw std::invalid_argument("points3D: x, y and z must have one size");
+        out.hits.reserve(scan.points3D_x.size());
+        collectPoints(scan.points3D_x, scan.points3D_y, scan.points3D_z, to);
+    } else {
+        return std::nullopt;
+    }
+    return out;
+}
+
+}  // namespace superray

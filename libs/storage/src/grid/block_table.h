@@ -1,0 +1,130 @@
+#pragma once
+/// \file block_table.h
+/// Table from block key to a small value: pages of neighbouring blocks, hashed.
+
+#include "values/value_rules.h"
+
+#include <vector>
+
+namespace superray {
+
+/// Scans ask for neighbouring blocks, so these are kept in one page of 64, a few
+/// cache lines. Pages are found by open addressing with linear probing. A page has values
+/// of all its blocks, default ones of those that nobody has set.
+template <int Dim, typename Value>
+class BlockTable {
+ public:
+    /// Where a value is. Stays the same, while references are good until a page is made.
+    using Place = std::size_t;
+    static constexpr Place kNowhere = ~Place{0};
+
+    std::size_t memoryBytes() const {
+        return pages_.capacity() * sizeof(Entry) + values_.capacity() * sizeof(Value);
+    }
+
+    void clear() { *this = BlockTable(); }
+
+    /// Where the value of a key is; kNowhere if there is no page with it (also for keys
+    /// out of the addressable range).
+    Place find(const BlockKey<Dim>& key) const {
+        if (pages_.empty() || !isAddressable(key, kBlockLimit)) return kNowhere;
+        const Entry& page = pages_[position(pageOf(key))];
+        return page.key == kFree ? kNowhere : placeIn(page, key);
+    }
+
+    /// The same, but a page that is missing is made. \pre the key is addressable
+    Place findOrMake(const BlockKey<Dim>& key) {
+        if (4 * (pageCount() + 1) > 3 * pages_.size()) grow();
+        Entry& page = pages_[position(pageOf(key))];
+        if (page.key == kFree) {
+            const std::size_t number = pageCount();
+            values_.resize(values_.size() + kPageBlocks);
+            page = {pageOf(key), static_cast<std::uint32_t>(number)};
+        }
+        return placeIn(page, key);
+    }
+
+    /// So that values of so many bytes can be made without asking the system.
+    void reserve(std::size_t bytes) {
+        const std::size_t values = values_.size();
+        values_.resize(values + bytes / sizeof(Value));  // touches them
+        values_.resize(values);
+    }
+
+    Value& operator[](Place place) { return values_[place]; }
+    const Value& operator[](Place place) const { return values_[place]; }
+
+    /// visit(key, value) for every value of every page, in unspecified order.
+    template <typename Visit>
+    void forEach(Visit&& visit) const {
+        for (const Entry& page : pages_) {
+            if (page.key == kFree) continue;
+            for (std::uint32_t i = 0; i < kPageBlocks; ++i)
+                visit(keyOf(page.key, i), values_[page.number * Place{kPageBlocks} + i]);
+        }
+    }
+    /// All of them, without keys.
+    const std::vector<Value>& values() const { return values_; }
+
+ private:
+    static constexpr int kPageBits = 6 / Dim;  // blocks per axis and page: 4 (in 2D, 8)
+    static constexpr std::uint32_t kPageBlocks = 1u << (kPageBits * Dim);
+    static constexpr int kAxisBits = 13 - kPageBits;  // of a page's key
+    static_assert(1 << (kAxisBits + kPageBits) == 2 * kBlockLimit && kAxisBits * Dim < 64);
+    static constexpr std::uint64_t kFree = ~std::uint64_t{0};
+
+    struct Entry {
+        std::uint64_t key = kFree;
+        std::uint32_t number = 0;
+    };
+
+    std::size_t pageCount() const { return values_.size() / kPageBlocks; }
+
+    static std::uint64_t pageOf(const BlockKey<Dim>& key) {
+        std::uint64_t p = 0;
+        for (int a = Dim - 1; a >= 0; --a)
+            p = (p << kAxisBits) |
+                static_cast<std::uint32_t>(key[a] + kBlockLimit) >> kPageBits;
+        return p;
+    }
+    static Place placeIn(const Entry& page, const BlockKey<Dim>& key) {
+        Place i = page.number;
+        for (int a = Dim - 1; a >= 0; --a)
+            i = (i << kPageBits) |
+                (static_cast<std::uint32_t>(key[a]) & ((1u << kPageBits) - 1));
+        return i;
+    }
+    static BlockKey<Dim> keyOf(std::uint64_t page, std::uint32_t inPage) {
+        constexpr std::uint64_t kAxis = (1u << kAxisBits) - 1;
+        BlockKey<Dim> key;
+        for (auto& k : key) {
+            k = static_cast<std::int32_t>((page & kAxis) << kPageBits) - kBlockLimit +
+                static_cast<std::int32_t>(inPage & ((1u << kPageBits) - 1));
+            page >>= kAxisBits;
+            inPage >>= kPageBits;
+        }
+        return key;
+    }
+
+    /// Where the page is, or where it would go.
+    std::size_t position(std::uint64_t page) const {
+        std::uint64_t h = page * 0x9E3779B97F4A7C15ull;
+        h = (h ^ (h >> 32)) * 0xD6E8FEB86659FD93ull;
+        const std::size_t mask = pages_.size() - 1;
+        std::size_t i = static_cast<std::size_t>(h >> 32) & mask;
+        while (pages_[i].key != kFree && pages_[i].key != page) i = (i + 1) & mask;
+        return i;
+    }
+
+    void grow() {
+        std::vector<Entry> old(pages_.empty() ? 16 : 2 * pages_.size());
+        old.swap(pages_);
+        for (const Entry& e : old)
+            if (e.key != kFree) pages_[position(e.key)] = e;
+    }
+
+    std::vector<Entry> pages_;  // size 0 or a power of two
+    std::vector<Value> values_;
+};
+
+}  // namespace superray

@@ -1,0 +1,141 @@
+#include "tree/node_arena.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace superray {
+
+namespace {
+
+/// What a share takes from the released nodes at once, at most.
+constexpr std::size_t kMostFreeAtOnce = 1024;
+
+}  // namespace
+
+void NodeArena::FreeList::append(FreeList& o) {
+    if (o.first == nullptr) return;
+    if (first == nullptr)
+        last = o.last;
+    else
+        o.last->next = first;
+    first = std::exchange(o.first, nullptr);
+}
+
+NodeArena::FreeList NodeArena::FreeList::takeSome(std::size_t n) {
+    FreeList taken{first, first};
+    if (first == nullptr) return taken;
+    for (; n > 1 && taken.last->next != nullptr; --n) taken.last = taken.last->next;
+    first = std::exchange(taken.last->next, nullptr);
+    return taken;
+}
+
+NodeArena::Range NodeArena::findChunk(std::size_t least) {
+    if (reserved_.empty() || least > kLastChunk) return newChunk(least);
+    const Range chunk = reserved_.back();
+    reserved_.pop_back();
+    return chunk;
+}
+
+NodeArena::Range NodeArena::newChunk(std::size_t least) {
+    // Of small pages: huge ones save a fifth of an update where the system has them
+    // at hand, but on virtual machines whose host must provide them first they take
+    // six times as long as small ones, and a tree touches new ones at every scan.
+    std::size_t bytes = kFirstChunk;
+    while (bytes < kLastChunk && bytes < chunkBytes_) bytes *= 2;
+    while (bytes < least) bytes *= 2;
+    chunks_.emplace_back(new std::byte[bytes]);
+    chunkBytes_ += bytes;
+    std::byte* const begin = chunks_.back().get();
+    return {begin, begin + bytes};
+}
+
+void NodeArena::swap(NodeArena& o) noexcept {
+    chunks_.swap(o.chunks_);
+    ranges_.swap(o.ranges_);
+    reserved_.swap(o.reserved_);
+    std::swap(nodes_, o.nodes_);
+    std::swap(families_, o.families_);
+    std::swap(chunkBytes_, o.chunkBytes_);
+    noteFree();
+    o.noteFree();
+}
+
+void NodeArena::clear() noexcept {
+    chunks_.clear();
+    ranges_.clear();
+    reserved_.clear();
+    nodes_ = families_ = {};
+    chunkBytes_ = 0;
+    noteFree();
+}
+
+void NodeArena::reserve(std::size_t bytes) {
+    // In pieces, as several shares take them.
+    reserved_.reserve(bytes / kLastChunk);
+    while (reserved_.size() < bytes / kLastChunk) {
+        const Range fresh = newChunk(kLastChunk);
+        std::memset(fresh.begin, 0, fresh.size());
+        reserved_.push_back(fresh);
+    }
+}
+
+NodeArena::Share::Share(NodeArena& arena) : arena_(arena) {
+    const std::lock_guard<std::mutex> lock(arena.mutex_);
+    ++arena.shares_;
+    try {
+        arena.keepRoomForRanges();
+    } catch (...) {
+        --arena.shares_;
+        throw;
+    }
+}
+
+NodeArena::Share::~Share() {
+    const std::lock_guard<std::mutex> lock(arena_.mutex_);
+    --arena_.shares_;
+    for (const Range& r : {spare_, current_})
+        if (r.size() > 0) arena_.ranges_.push_back(r);
+    arena_.nodes_.append(nodes_);
+    arena_.families_.append(families_);
+    arena_.noteFree();
+}
+
+void NodeArena::Share::useSpare() {
+    // What is left is too small for a family, but not for nodes.
+    for (; current_.size() >= kNodeBytes; current_.begin += kNodeBytes)
+        nodes_.push(current_.begin);
+    current_ = std::exchange(spare_, {});
+}
+
+void NodeArena::Share::findRoom(std::size_t bytes) {
+    const std::lock_guard<std::mutex> lock(arena_.mutex_);
+    auto& ranges = arena_.ranges_;
+    arena_.keepRoomForRanges();
+    // However small: it is used up before the spare one.
+    if (current_.size() == 0 && !ranges.empty()) {
+        current_ = ranges.back();
+        ranges.pop_back();
+        if (current_.size() >= bytes) return;
+    }
+    const auto enough = std::find_if(ranges.begin(), ranges.end(),
+                                     [&](const Range& r) { return r.size() >= bytes; });
+    if (enough != ranges.end()) {
+        std::swap(spare_, *enough);
+        if (enough->size() == 0) ranges.erase(enough);
+        return;
+    }
+    const Range fresh = arena_.findChunk(bytes);
+    if (spare_.size() > 0) ranges.push_back(spare_);
+    spare_ = fresh;
+}
+
+void NodeArena::Share::findFree() {
+    const std::lock_guard<std::mutex> lock(arena_.mutex_);
+    if (nodes_.first == nullptr) nodes_ = arena_.nodes_.takeSome(freeAtOnce_);
+    if (families_.first == nullptr) families_ = arena_.families_.takeSome(freeAtOnce_);
+    // Counting them off takes its time: a share that writes one cell needs few.
+    freeAtOnce_ = std::min(2 * freeAtOnce_, kMostFreeAtOnce);
+    arena_.noteFree();
+}
+
+}  // namespace superray

@@ -1,0 +1,191 @@
+#include <superray/storage/quadtree.h>
+
+#include "chunked_pool.h"
+#include "tree/tree_storage.h"
+
+namespace superray {
+namespace {
+
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+/// Nodes in families of four siblings: 8 bytes each.
+class QuadNodes {
+ public:
+    static constexpr int kDim = 2;
+    using Node = std::uint32_t;  // 4 * family + number in the family
+    static constexpr Node kNull = kNone;
+
+    static constexpr bool kParallel = false;  // one pool for all
+
+    Node root() const { return root_; }
+    void setRoot(Node n) { root_ = n; }
+    Node child(Node n, int i) const {
+        if (!hasChildren(n)) return kNull;
+        const Node c = at(n).children * 4 + static_cast<Node>(i);
+        return at(c).exists() ? c : kNull;
+    }
+    bool hasChildren(Node n) const { return at(n).children != kNone; }
+    float value(Node n) const { return at(n).value; }
+    std::uint8_t readChildren(Node n, unsigned which, float* values) const {
+        const Family& family = families_[at(n).children];
+        unsigned had = 0;
+        for (unsigned i = 0; i < 4; ++i) {
+            const Record& c = family.nodes[i];
+            values[i] = c.exists() ? c.value : which >> i & 1 ? 0 : kAbsent;
+            had |= static_cast<unsigned>(c.exists()) << i;
+        }
+        return static_cast<std::uint8_t>(had);
+    }
+    void prefetchFamily(Node n) const {
+        if (hasChildren(n)) __builtin_prefetch(&at(at(n).children * 4));
+    }
+    static void prefetchChildren(Node) {}  // they are the family
+
+    class Editor {
+     public:
+        explicit Editor(QuadNodes& nodes) : nodes_(nodes) {}
+
+        void reserve() {}
+        void setValue(Node n, float v) { nodes_.at(n).value = v; }
+        Node create() {
+            const Node n = 4 * nodes_.newFamily();  // its siblings are never used
+            setValue(n, 0);
+            return n;
+        }
+        void setChildren(Node n, const float* values) {
+            Family& family = nodes_.families_[nodes_.at(n).children];
+            for (unsigned i = 0; i < 4; ++i)
+                if (family.nodes[i].exists()) family.nodes[i].value = values[i];
+        }
+        void createChildren(Node n, unsigned which, const float* values) {
+            const std::uint32_t family = familyOf(n);
+            for (unsigned i = 0; i < 4; ++i)
+                if (which >> i & 1) setValue(4 * family + i, values[i]);
+        }
+        void createChildren(Node n, unsigned which, float value) {
+            const float values[4] = {value, value, value, value};
+            createChildren(n, which, values);
+        }
+        void removeChildren(Node n) {
+            nodes_.families_.release(nodes_.at(n).children);
+            nodes_.at(n).children = kNone;
+        }
+        void settle(Node n) {
+            const Family& family = nodes_.families_[nodes_.at(n).children];
+            bool same = true;
+            float highest = std::numeric_limits<float>::lowest();
+            for (const Record& child : family.nodes) {
+                same = same && child.value == family.nodes[0].value && child.children == kNone;
+                if (child.exists()) highest = std::max(highest, child.value);
+            }
+            if (same) removeChildren(n);
+            setValue(n, highest);
+        }
+
+     private:
+        std::uint32_t familyOf(Node n) {
+            if (!nodes_.hasChildren(n)) {
+                const std::uint32_t family = nodes_.newFamily();
+                nodes_.at(n).children = family;
+            }
+            return nodes_.at(n).children;
+        }
+        QuadNodes& nodes_;
+    };
+
+    std::size_t memoryBytes() const { return families_.memoryBytes(); }
+    void reserve(std::size_t bytes) { families_.reserve(bytes); }
+    void clear() {
+        families_.clear();
+        root_ = kNull;
+    }
+
+ private:
+    struct Record {
+        float value;             // NaN: no such node
+        std::uint32_t children;  // their family; kNone for a leaf
+        bool exists() const { return value == value; }
+    };
+    struct Family {
+        Record nodes[4];
+    };
+
+    std::uint32_t newFamily() {
+        const std::uint32_t f = families_.allocate();
+        for (Record& r : families_[f].nodes)
+            r = {std::numeric_limits<float>::quiet_NaN(), kNone};
+        return f;
+    }
+    Record& at(Node n) { return families_[n / 4].nodes[n % 4]; }
+    const Record& at(Node n) const { return families_[n / 4].nodes[n % 4]; }
+
+    ChunkedPool<Family, 256> families_;
+    Node root_ = kNull;
+};
+
+}  // namespace
+
+struct Quadtree::Impl : TreeStorage<QuadNodes> {
+    using TreeStorage::TreeStorage;
+};
+
+Quadtree::Quadtree(const CellGeometry<2>& geometry)
+    : OccupancyMap<2>(geometry), impl_(std::make_unique<Impl>()) {}
+Quadtree::Quadtree(const Quadtree& o)
+    : OccupancyMap<2>(o), impl_(std::make_unique<Impl>(*o.impl_)) {}
+Quadtree::~Quadtree() = default;
+
+std::unique_ptr<OccupancyMap<2>> Quadtree::clone() const {
+    return std::make_unique<Quadtree>(*this);
+}
+
+std::unique_ptr<OccupancyMap<2>> Quadtree::emptyLike(const CellGeometry<2>& geometry) const {
+    return std::make_unique<Quadtree>(geometry);
+}
+
+void Quadtree::swapContents(OccupancyMap<2>& other) {
+    auto& o = dynamic_cast<Quadtree&>(other);
+    requireSameResolution(*this, o);
+    impl_.swap(o.impl_);
+}
+
+void Quadtree::apply(const UpdateBatch<2>& batch, const SensorModel& model, UpdatePolicy policy,
+                     unsigned threads) {
+    impl_->apply(batch, model, policy, threads);
+}
+
+std::optional<float> Quadtree::logOdds(const Cell<2>& cell) const {
+    return impl_->logOdds(cell);
+}
+void Quadtree::setLogOdds(const Cell<2>& cell, float value) {
+    impl_->setLogOdds(cell, value);
+}
+void Quadtree::setBlock(const BlockView<2>& block) {
+    impl_->setBlock(block);
+}
+void Quadtree::forEachBlock(const BlockVisitor& visit) const {
+    impl_->forEachBlock(visit);
+}
+bool Quadtree::visitBlock(const BlockKey<2>& key, const BlockVisitor& visit) const {
+    return impl_->visitBlock(key, visit);
+}
+void Quadtree::clear() {
+    impl_ = std::make_unique<Impl>();
+}
+bool Quadtree::empty() const {
+    return impl_->nodes.root() == kNone;
+}
+
+void Quadtree::reserve(std::size_t bytes) {
+    impl_->nodes.reserve(bytes);
+}
+
+std::size_t Quadtree::memoryBytes() const {
+    return sizeof(Impl) + impl_->nodes.memoryBytes();
+}
+
+BlockSaturation<2> Quadtree::saturation(const BlockKey<2>& key, float lowerClamp) const {
+    return impl_->saturation(key, lowerClamp);
+}
+
+}  // namespace superray

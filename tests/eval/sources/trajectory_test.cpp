@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+#include <superray/eval/input_error.h>
+#include <superray/eval/trajectory.h>
+
+#include <cmath>
+
+#include "eval/sources/pose_matchers.h"
+#include "eval/temp_folder.h"
+
+namespace superray {
+namespace {
+
+using mrpt::poses::CPose3D;
+using test::messageOf;
+using test::TempFolder;
+
+Trajectory::Time at(double seconds) {
+    return mrpt::Clock::fromDouble(seconds);
+}
+
+void expectPose(const std::optional<CPose3D>& pose, const CPose3D& expected,
+                double tolerance = 1e-12) {
+    ASSERT_TRUE(pose.has_value());
+    test::expectPoseNear(*pose, expected, tolerance);
+}
+
+TEST(Trajectory, readsTum) {
+    TempFolder folder;
+    const double s = std::sqrt(0.5);
+    const auto t = Trajectory::load(folder.write(
+        "a.tum", "# comment\n\n10 1 2 3 0 0 0 1\r\n\t11.5  4 5 6 0 0 " + std::to_string(s) +
+                     " " + std::to_string(s) + "\n% also a comment\n"));
+    ASSERT_EQ(t.size(), 2u);
+    expectPose(t.at(at(10)), CPose3D(1, 2, 3, 0, 0, 0));
+    expectPose(t.at(at(11.5)), CPose3D(4, 5, 6, M_PI / 2, 0, 0));
+}
+
+TEST(Trajectory, readsMrptColumnsInAnyOrder) {
+    TempFolder folder;
+    const auto t =
+        Trajectory::load(folder.write("a.txt", "11 4 5 6 0.1 -0.2 0.3\n10 1 2 3 0 0 1.5"));
+    ASSERT_EQ(t.size(), 2u);
+    expectPose(t.at(at(10)), CPose3D(1, 2, 3, 0, 0, 1.5), 0);
+    expectPose(t.at(at(11)), CPose3D(4, 5, 6, 0.1, -0.2, 0.3), 0);
+    EXPECT_EQ(t.firstTime(), at(10));
+    EXPECT_EQ(t.lastTime(), at(11));
+}
+
+TEST(Trajectory, interpolatesOnTheStraightLineAtConstantRate) {
+    Trajectory t;
+    t.add(at(10), CPose3D(0, 0, 0, 0, 0, 0));
+    t.add(at(12), CPose3D(4, -2, 1, 1.0, 0, 0));
+    expectPose(t.at(at(10.5)), CPose3D(1, -0.5, 0.25, 0.25, 0, 0), 1e-9);
+}
+
+TEST(Trajectory, interpolatesTheShortestWayRound) {
+    Trajectory t;
+    t.add(at(0), CPose3D(0, 0, 0, 3.0, 0, 0));
+    t.add(at(1), CPose3D(0, 0, 0, -3.0, 0, 0));
+    expectPose(t.at(at(0.5)), CPose3D(0, 0, 0, M_PI, 0, 0), 1e-9);
+}
+
+TEST(Trajectory, takesPosesWithinAMicrosecondAsTheyAre) {
+    Trajectory t;
+    t.add(at(10), CPose3D(1, 0, 0, 0, 0, 0));
+    t.add(at(11), CPose3D(2, 0, 0, 0, 0, 0));
+    expectPose(t.at(at(10 + 5e-7)), CPose3D(1, 0, 0, 0, 0, 0), 0);
+    expectPose(t.at(at(11 - 5e-7)), CPose3D(2, 0, 0, 0, 0, 0), 0);
+    expectPose(t.at(at(11 + 5e-7)), CPose3D(2, 0, 0, 0, 0, 0), 0);
+}
+
+TEST(Trajectory, outsideItsTimesThereIsNoPoseButForTheSlack) {
+    Trajectory t;
+    EXPECT_FALSE(t.at(at(10)));
+    t.add(at(10), CPose3D(1, 0, 0, 0, 0, 0));
+    t.add(at(11), CPose3D(2, 0, 0, 0, 0, 0));
+    EXPECT_FALSE(t.at(at(9.96)));
+    EXPECT_FALSE(t.at(at(11.04)));
+    EXPECT_FALSE(t.at(at(9.94), 0.05));
+    EXPECT_FALSE(t.at(at(11.06), 0.05));
+    expectPose(t.at(at(9.96), 0.05), CPose3D(1, 0, 0, 0, 0, 0), 0);
+    expectPose(t.at(at(11.04), 0.05), CPose3D(2, 0, 0, 0, 0, 0), 0);
+}
+
+TEST(Trajectory, saysWhereAFileIsWrong) {
+    TempFolder folder;
+    struct Case {
+        const char *contents, *expected;
+    };
+    const Case cases[] = {
+        {"", "holds no pose"},
+        {"# only\n", "holds no pose"},
+        {"1 2 3\n", ":1: has 3 columns"},
+        {"1 0 0 0 0 0 0\n2 0 0 0 0 0 0 1\n", ":2: has 8 columns, the lines before have 7"},
+        {"1 0 0 0 0 0 0 1\n2 0 0 x 0 0 0 1\n", ":2: every column must be a finite number"},
+        {"1 0 0 0 0 0 0 1\n\n2 0 0 1.5e 0 0 0 1\n", ":3: every column must be a finite number"},
+        {"1 0 nan 0 0 0 0 1\n", ":1: every column must be a finite number"},
+        {"1 0 0 inf 0 0 0\n", ":1: every column must be a finite number"},
+        {"1,0,0,0,0,0,0,1\n", ":1: every column must be a finite number"},
+        {"1 0 0 0 0 0 0 0\n", ":1: the quaternion"},
+        {"1 0 0 0 0 0 0 1.1\n", ":1: the quaternion"},
+        {"1500000000000000000 0 0 0 0 0 0 1\n", ":1: time"},
+    };
+    for (const auto& c : cases) {
+        const std::string path = folder.write("bad.txt", c.contents);
+        const auto message = messageOf<InputError>([&] { Trajectory::load(path); });
+        EXPECT_NE(message.find(path), std::string::npos) << message;
+        EXPECT_NE(message.find(c.expected), std::string::npos)
+            << c.contents << " -> " << message;
+    }
+    EXPECT_THROW(Trajectory::load(folder / "absent.txt"), InputError);
+    EXPECT_THROW(Trajectory::load(folder / "."), InputError);
+}
+
+}  // namespace
+}  // namespace superray
