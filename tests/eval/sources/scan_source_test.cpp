@@ -57,10 +57,10 @@ TEST(SimpleMapSource, givesPosesAndObservationsOfTheKeyframes) {
     std::vector<CPose3D> poses;
     for (unsigned i = 0; i < 4; ++i) {
         poses.emplace_back(i, 2.0 * i, 0.5, 0.3 * i, 0.1, -0.1);
-        mrpt::obs::CSensoryFrame frame;
-        frame.insert(makeCloud(10.0 + i, i, i % 2 == 0 ? "EVEN" : "ODD"));
-        frame.insert(makeOdometry(10.0 + i, {}));
-        const mrpt::poses::CPose3DPDFGaussian pose(poses.back());
+        const auto frame = mrpt::obs::CSensoryFrame::Create();
+        frame->insert(makeCloud(10.0 + i, i, i % 2 == 0 ? "EVEN" : "ODD"));
+        frame->insert(makeOdometry(10.0 + i, {}));
+        const auto pose = mrpt::poses::CPose3DPDFGaussian::Create(poses.back());
         map.insert(pose, frame);
     }
     for (const char* name : {"a.simplemap", "a.simplemap.gz"}) {

@@ -1,6 +1,7 @@
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/serialization/CArchive.h>
 #include <superray/eval/input_error.h>
+#include <superray/maps/mrpt_compat.h>
 
 #include <algorithm>
 #include <vector>
@@ -33,7 +34,7 @@ class SimpleMapSource final : public ScanSource {
         const auto map = readSimpleMap(path);
         std::vector<Trajectory::Time> times;
         for (std::size_t i = 0; i < map.size() && scans_.size() < options.maxScans; ++i) {
-            const auto [posePdf, frame] = map.get(i);
+            const auto [posePdf, frame] = keyFrameParts(map, i);
             if (!posePdf || !frame)
                 throw InputError(path + ": keyframe " + std::to_string(i) +
                                  " lacks its pose or its observations");

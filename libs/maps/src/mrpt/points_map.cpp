@@ -30,7 +30,7 @@ CSuperRayPointsMap<Dim>::~CSuperRayPointsMap() = default;
 
 template <int Dim>
 CSuperRayPointsMap<Dim>::CSuperRayPointsMap(const CSuperRayPointsMap& other)
-    : mrpt::maps::CSimplePointsMap(),
+    : AssignablePointsMap(),
       occupancy_(std::make_unique<Occupancy>(*this, other.occupancy_->resolution())) {
     copyAll(other);
 }
@@ -42,7 +42,7 @@ CSuperRayPointsMap<Dim>& CSuperRayPointsMap<Dim>::operator=(const CSuperRayPoint
 }
 
 template <int Dim>
-void CSuperRayPointsMap<Dim>::impl_copyFrom(const mrpt::maps::CPointsMap& other) {
+void CSuperRayPointsMap<Dim>::assignFrom(const mrpt::maps::CPointsMap& other) {
     const auto* same = dynamic_cast<const CSuperRayPointsMap*>(&other);
     if (!same)
         throw std::invalid_argument("CSuperRayPointsMap" + std::to_string(Dim) +
@@ -58,8 +58,7 @@ void CSuperRayPointsMap<Dim>::copyAll(const CSuperRayPointsMap& other) {
         blocks.emplace(key, std::make_unique<BlockPoints>(*points));
     auto sources = other.sources_;
     occupancy_->takeFrom(*other.occupancy_);
-    CSimplePointsMap::impl_copyFrom(other);
-    genericMapParams = other.genericMapParams;
+    copyPoints(other);
     sources_ = std::move(sources);
     blocks_ = std::move(blocks);
 }

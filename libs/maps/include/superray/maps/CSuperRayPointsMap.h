@@ -3,9 +3,9 @@
 /// Occupancy maps that are points maps: the occupied cells, for programs that
 /// register scans against nothing else (stock icp-slam).
 
-#include <mrpt/maps/CSimplePointsMap.h>
 #include <superray/maps/CSuperRayGridMap2D.h>
 #include <superray/maps/CSuperRayGridMap3D.h>
+#include <superray/maps/mrpt_compat.h>
 
 #include <array>
 #include <cstdint>
@@ -26,9 +26,11 @@ namespace superray {
 /// those of the grid map; matching is that of the points.
 ///
 /// The points follow the cells. Functions of CPointsMap that change points may be
-/// called, but the cells do not follow.
+/// called, but the cells do not follow. Assigning through a CPointsMap& copies the
+/// cells, too, or throws std::invalid_argument if the other map is not of this class;
+/// from MRPT 2.13.2 on, it clears the cells and copies bare points.
 template <int Dim>
-class CSuperRayPointsMap : public mrpt::maps::CSimplePointsMap {
+class CSuperRayPointsMap : public AssignablePointsMap {
  public:
     using GridMap = std::conditional_t<Dim == 2, CSuperRayGridMap2D, CSuperRayGridMap3D>;
 
@@ -76,7 +78,7 @@ class CSuperRayPointsMap : public mrpt::maps::CSimplePointsMap {
     bool internal_canComputeObservationLikelihood(
         const mrpt::obs::CObservation& observation) const override;
     /// \throws std::invalid_argument if `other` is not of this class
-    void impl_copyFrom(const mrpt::maps::CPointsMap& other) override;
+    void assignFrom(const mrpt::maps::CPointsMap& other) override;
 
     void copyAll(const CSuperRayPointsMap& other);
     void follow(const RayBundle<Dim>& rays, const UpdateBatch<Dim>* batch);

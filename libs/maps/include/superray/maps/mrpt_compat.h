@@ -1,11 +1,16 @@
 #pragma once
 /// \file mrpt_compat.h
-/// Everything that depends on the MRPT version lives here. Written and tested
-/// against 2.5.8; the branches for later 2.x follow their headers.
+/// Everything that depends on the MRPT version lives here. Tested with 2.5.8
+/// (Debian 12), 2.14.7 (Debian 13) and 2.15.14 (Debian sid).
 
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/maps/TMetricMapTypesRegistry.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/poses/CPose3DPDF.h>
 #include <mrpt/version.h>
 
+#include <memory>
 #include <type_traits>
 #include <utility>
 
@@ -44,5 +49,50 @@ template <class Scan>
 struct HasOrganizedPoints<Scan,
                           std::void_t<decltype(std::declval<const Scan&>().organizedPoints)>>
     : std::true_type {};
+
+/// One pose of a CSimpleMap, with what was observed there. Either may be null.
+struct KeyFrameParts {
+    std::shared_ptr<const mrpt::poses::CPose3DPDF> pose;
+    std::shared_ptr<const mrpt::obs::CSensoryFrame> observations;
+};
+
+/// \param index < map.size()
+inline KeyFrameParts keyFrameParts(const mrpt::maps::CSimpleMap& map, std::size_t index) {
+    // A pair until 2.11.4; since then a struct, which also has a twist.
+#if MRPT_VERSION >= 0x020B05
+    const auto& frame = map.get(index);
+    return {frame.pose, frame.sf};
+#else
+    const auto [pose, observations] = map.get(index);
+    return {pose, observations};
+#endif
+}
+
+/// A points map that decides what assigning another points map to it does.
+///
+/// From 2.13.2 on MRPT does not ask: `CPointsMap& = other` clears the map and
+/// inserts the bare points of the other one.
+class AssignablePointsMap : public mrpt::maps::CSimplePointsMap {
+ protected:
+    AssignablePointsMap() = default;
+    /// Called by assignments through CPointsMap, before 2.13.2.
+    virtual void assignFrom(const mrpt::maps::CPointsMap& other) = 0;
+    /// Coordinates and options, without a call of clear().
+    void copyPoints(const CSimplePointsMap& other) {
+        insertionOptions = other.insertionOptions;
+        likelihoodOptions = other.likelihoodOptions;
+        renderOptions = other.renderOptions;
+        genericMapParams = other.genericMapParams;
+        m_x = other.getPointsBufferRef_x();
+        m_y = other.getPointsBufferRef_y();
+        m_z = other.getPointsBufferRef_z();
+        mark_as_modified();
+    }
+
+ private:
+#if MRPT_VERSION < 0x020D02
+    void impl_copyFrom(const mrpt::maps::CPointsMap& other) final { assignFrom(other); }
+#endif
+};
 
 }  // namespace superray
