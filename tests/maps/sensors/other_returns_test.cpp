@@ -123,6 +123,16 @@ TEST(RotatingScan, SeveralRowsWithoutVerticalAnglesAreNotSupported) {
     EXPECT_FALSE(readReturns(scan, {}));
 }
 
+TEST(RotatingScan, NothingWithoutPointsAndRanges) {
+    for (const int rows : {1, 16}) {
+        mrpt::obs::CObservationRotatingScan scan;
+        scan.rowCount = static_cast<std::uint16_t>(rows);
+        scan.columnCount = 10;
+        EXPECT_FALSE(canReadReturns(scan)) << rows;
+        EXPECT_FALSE(readReturns(scan, {})) << rows;
+    }
+}
+
 TEST(Returns, OtherClassesAreNotSupported) {
     const mrpt::obs::CObservationOdometry odometry;
     EXPECT_FALSE(canReadReturns(odometry));

@@ -28,13 +28,14 @@ bool hasData(const mrpt::obs::CObservationVelodyneScan& o) {
     return !o.scan_packets.empty() || o.point_cloud.size() > 0;
 }
 bool hasData(const mrpt::obs::CObservationPointCloud& o) {
-    return o.pointcloud || o.isExternallyStored();
+    // In this order: another thread may be loading an external cloud.
+    return o.isExternallyStored() || o.pointcloud;
 }
 bool hasData(const mrpt::obs::CObservation2DRangeScan& o) {
     return o.getScanSize() > 0;
 }
 bool hasData(const mrpt::obs::CObservationRotatingScan& o) {
-    return HasOrganizedPoints<mrpt::obs::CObservationRotatingScan>::value || o.rowCount == 1;
+    return hasOrganizedPoints(o) || isOneRow(o);
 }
 
 }  // namespace

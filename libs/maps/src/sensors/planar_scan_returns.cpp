@@ -34,11 +34,11 @@ std::optional<SensorReturns> read(const mrpt::obs::CObservation2DRangeScan& scan
 namespace {
 
 template <class Scan>
-std::optional<SensorReturns> readRotating(const Scan& scan, const ReturnOptions& options) {
+SensorReturns readOrganizedPoints(const Scan& scan, const ReturnOptions& options) {
     SensorReturns out;
-    out.sensorOnRobot = scan.sensorPose;
-    ReturnCollector to(out, options, scan.maxRange);
     if constexpr (HasOrganizedPoints<Scan>::value) {
+        out.sensorOnRobot = scan.sensorPose;
+        ReturnCollector to(out, options, scan.maxRange);
         const auto& points = scan.organizedPoints;
         for (int r = 0; r < static_cast<int>(points.rows()); ++r)
             for (int c = 0; c < static_cast<int>(points.cols()); ++c) {
@@ -51,11 +51,22 @@ std::optional<SensorReturns> readRotating(const Scan& scan, const ReturnOptions&
                             static_cast<float>(p.z)});
                 }
             }
-        if (!out.hits.empty()) return out;
     }
-    // Several rows need vertical angles, which the class does not have.
-    if (scan.rowCount != 1 || scan.rangeImage.rows() != 1 || scan.rangeImage.cols() < 1)
-        return std::nullopt;
+    return out;
+}
+
+}  // namespace
+
+std::optional<SensorReturns> read(const mrpt::obs::CObservationRotatingScan& scan,
+                                  const ReturnOptions& options) {
+    if (hasOrganizedPoints(scan)) {
+        auto points = readOrganizedPoints(scan, options);
+        if (!points.hits.empty() || !isOneRow(scan)) return points;
+    }
+    if (!isOneRow(scan)) return std::nullopt;
+    SensorReturns out;
+    out.sensorOnRobot = scan.sensorPose;
+    ReturnCollector to(out, options, scan.maxRange);
     out.planar = true;
     const int n = static_cast<int>(scan.rangeImage.cols());
     for (int i = 0; i < n; ++i) {
@@ -75,13 +86,6 @@ std::optional<SensorReturns> readRotating(const Scan& scan, const ReturnOptions&
         }
     }
     return out;
-}
-
-}  // namespace
-
-std::optional<SensorReturns> read(const mrpt::obs::CObservationRotatingScan& scan,
-                                  const ReturnOptions& options) {
-    return readRotating(scan, options);
 }
 
 }  // namespace superray

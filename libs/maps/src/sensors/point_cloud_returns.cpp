@@ -5,7 +5,9 @@ namespace superray {
 
 std::optional<SensorReturns> read(const mrpt::obs::CObservationPointCloud& scan,
                                   const ReturnOptions& options) {
-    const LoadedObservation loaded(scan, scan.isExternallyStored() && !scan.pointcloud);
+    std::optional<LoadedObservation> loaded;
+    if (scan.isExternallyStored())
+        loaded.emplace(scan, [&] { return static_cast<bool>(scan.pointcloud); });
     if (!scan.pointcloud) return std::nullopt;
     SensorReturns out;
     out.sensorOnRobot = scan.sensorPose;

@@ -10,11 +10,14 @@ namespace {
 
 using mrpt::obs::CObservation3DRangeScan;
 
-bool nothingExternalInMemory(const CObservation3DRangeScan& scan) {
-    const bool image = scan.rangeImage_isExternallyStored();
-    const bool points = scan.points3D_isExternallyStored();
-    return (image || points) && !(image && scan.rangeImage.size() > 0) &&
-           !(points && !scan.points3D_x.empty());
+bool isExternallyStored(const CObservation3DRangeScan& scan) {
+    return scan.rangeImage_isExternallyStored() || scan.points3D_isExternallyStored();
+}
+
+/// True if any of what is stored externally is in memory.
+bool isLoaded(const CObservation3DRangeScan& scan) {
+    return (scan.rangeImage_isExternallyStored() && scan.rangeImage.size() > 0) ||
+           (scan.points3D_isExternallyStored() && !scan.points3D_x.empty());
 }
 
 void readRangeImage(const CObservation3DRangeScan& scan, SensorReturns& out,
@@ -49,7 +52,8 @@ void readRangeImage(const CObservation3DRangeScan& scan, SensorReturns& out,
 
 std::optional<SensorReturns> read(const CObservation3DRangeScan& scan,
                                   const ReturnOptions& options) {
-    const LoadedObservation loaded(scan, nothingExternalInMemory(scan));
+    std::optional<LoadedObservation> loaded;
+    if (isExternallyStored(scan)) loaded.emplace(scan, [&] { return isLoaded(scan); });
     SensorReturns out;
     out.sensorOnRobot = scan.sensorPose;
     ReturnCollector to(out, options, scan.maxRange);

@@ -82,6 +82,12 @@ void collectPoints(const Floats& x, const Floats& y, const Floats& z, ReturnColl
     collectPoints(x, y, z, to, [](std::size_t) { return 0.0; });
 }
 
+/// True if the range image alone tells where the points are: several rows need
+/// vertical angles, which the class does not have.
+inline bool isOneRow(const mrpt::obs::CObservationRotatingScan& scan) {
+    return scan.rowCount == 1 && scan.rangeImage.rows() == 1 && scan.rangeImage.cols() >= 1;
+}
+
 std::optional<SensorReturns> read(const mrpt::obs::CObservation3DRangeScan&,
                                   const ReturnOptions&);
 std::optional<SensorReturns> read(const mrpt::obs::CObservationVelodyneScan&,

@@ -148,6 +148,7 @@ template <int Dim>
 std::shared_ptr<COctoMapVoxels> VoxelView<Dim>::draw(const OccupancyMap<Dim>& map,
                                                      const SensorModel& model,
                                                      const TRenderingOptions& options) {
+    const std::lock_guard<std::mutex> lock(drawing_);
     refresh(map, {map.geometry().resolution(), model, options});
     const bool byHeight = options.colour == VoxelColour::height;
 

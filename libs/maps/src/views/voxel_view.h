@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 namespace superray {
@@ -27,7 +28,8 @@ class VoxelView {
     void applied(const CellCountMap<Dim>& counts);
 
     /// Sets VOXEL_SET_OCCUPIED and VOXEL_SET_FREESPACE as the options say; the
-    /// caller's own. 2D maps are drawn as cubes centred on z = 0.
+    /// caller's own. 2D maps are drawn as cubes centred on z = 0. Safe to call
+    /// concurrently; the other functions are for the writer of the map.
     std::shared_ptr<mrpt::opengl::COctoMapVoxels> draw(const OccupancyMap<Dim>& map,
                                                        const SensorModel& model,
                                                        const TRenderingOptions& options);
@@ -61,6 +63,7 @@ class VoxelView {
     mrpt::img::TColor colourOf(float value, float z) const;
     void scaleHeightColours();
 
+    std::mutex drawing_;
     bool built_ = false;
     std::unique_ptr<Style> style_;
     std::map<Key, Block> blocks_;

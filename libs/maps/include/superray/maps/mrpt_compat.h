@@ -50,6 +50,16 @@ struct HasOrganizedPoints<Scan,
                           std::void_t<decltype(std::declval<const Scan&>().organizedPoints)>>
     : std::true_type {};
 
+/// True if this scan has points. MRPT leaves the matrix empty where it has none.
+template <class Scan>
+bool hasOrganizedPoints(const Scan& scan) {
+    if constexpr (HasOrganizedPoints<Scan>::value) {
+        return scan.organizedPoints.rows() > 0 && scan.organizedPoints.cols() > 0;
+    } else {
+        return false;
+    }
+}
+
 /// One pose of a CSimpleMap, with what was observed there. Either may be null.
 struct KeyFrameParts {
     std::shared_ptr<const mrpt::poses::CPose3DPDF> pose;
@@ -91,7 +101,9 @@ class AssignablePointsMap : public mrpt::maps::CSimplePointsMap {
 
  private:
 #if MRPT_VERSION < 0x020D02
-    void impl_copyFrom(const mrpt::maps::CPointsMap& other) final { assignFrom(other); }
+    void impl_copyFrom(const mrpt::maps::CPointsMap& other) final {
+        assignFrom(other);
+    }
 #endif
 };
 
