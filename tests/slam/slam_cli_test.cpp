@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 #include <mrpt/obs/CRawlog.h>
+#include <superray/core/processors.h>
 #include <superray/eval/trajectory.h>
 
 #include <filesystem>
-#include <thread>
 
 #include "eval/run_program.h"
 #include "slam/busy_threads.h"
@@ -106,7 +106,7 @@ TEST_F(SlamProgram, TheLiveViewNeedsADisplay) {
 TEST_F(SlamProgram, TheLiveViewRunsInAVirtualDisplayOfABusyMachine) {
     if (std::system("command -v xvfb-run >/dev/null") != 0)
         GTEST_SKIP() << "xvfb-run is not installed: the live view is NOT TESTED";
-    const test::BusyThreads busy(std::thread::hardware_concurrency() + 1);
+    const test::BusyThreads busy(availableProcessors() + 1);
     const auto result = test::runProgram(
         folder_, "xvfb-run",
         "-a '" SUPERRAY_SLAM_APP "' build " + path("room.rawlog") + " -o " + path("r.tum") +

@@ -1,8 +1,8 @@
+#include <superray/core/processors.h>
 #include <superray/eval/bench_compare.h>
 
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <thread>
 
 #include "reports/text_table.h"
 
@@ -89,7 +89,7 @@ std::string runsAsJson(const std::vector<BenchRun>& runs) {
                         {"stage_seconds", stagesOf(run)}});
     }
     const Json document = {{"program", "superray-bench compare"},
-                           {"hardware_threads", std::thread::hardware_concurrency()},
+                           {"hardware_threads", availableProcessors()},
                            {"runs", list}};
     return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
