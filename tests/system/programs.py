@@ -7,6 +7,7 @@ What to test comes from the environment:
   SUPERRAY_BUILD_DIR   where it was built
 """
 
+import gzip
 import json
 import os
 import pathlib
@@ -19,6 +20,26 @@ import unittest
 
 DATASETS = pathlib.Path("/usr/share/mrpt/datasets")
 PLUGIN_MESSAGE = "map classes registered"
+
+
+# Versions of MRPT from which on stock programs behave otherwise.
+UNKNOWN_MAPS_ARE_ERRORS = (2, 11, 3)
+VIEWER_TITLE_IS_FIXED = (2, 15, 0)
+
+
+def decompressed(path):
+    """Contents of a file that MRPT wrote: gzip, zstd (from 2.15.7 on) or plain."""
+    data = path.read_bytes()
+    if data[:2] == b"\x1f\x8b":
+        return gzip.decompress(data)
+    if data[:4] == b"\x28\xb5\x2f\xfd":
+        try:
+            from compression import zstd  # Python 3.14
+        except ImportError:
+            return subprocess.run(["zstd", "-dc", str(path)], check=True,
+                                  capture_output=True).stdout
+        return zstd.decompress(data)
+    return data
 
 
 def path_from_environment(name):
@@ -49,9 +70,19 @@ class ProgramTest(unittest.TestCase):
         """Path of a program; without it the test is skipped, and says so."""
         path = shutil.which(str(name))
         if path is None:
-            print(f"SKIPPED, NOT TESTED: {name} is not installed", file=sys.stderr)
-            self.skipTest(f"{name} is not installed")
+            self.skip_loudly(f"{name} is not installed")
         return path
+
+    def skip_loudly(self, reason):
+        print(f"SKIPPED, NOT TESTED: {reason}", file=sys.stderr)
+        self.skipTest(reason)
+
+    def mrpt_version(self):
+        """Of the stock programs, e.g. (2, 5, 8)."""
+        output, _ = self.run_program("rawlog-edit", "--version")
+        version = re.search(r"MRPT (\d+)\.(\d+)\.(\d+)", output)
+        self.assertIsNotNone(version, output)
+        return tuple(map(int, version.groups()))
 
     def run_any(self, *command, preload=False, folder=None):
         """Runs a program without a keyboard: (exit status, output, errors)."""
@@ -66,6 +97,20 @@ class ProgramTest(unittest.TestCase):
         status, output, errors = self.run_any(*command, preload=preload, folder=folder)
         self.assertEqual(status, 0,
                          f"{command} failed:\n{output[-3000:]}{errors[-3000:]}")
+        return output, errors
+
+    def run_without_plugin(self, *command):
+        """Runs a program with a configuration that asks for our maps, but no plugin.
+
+        (output, errors), or None where MRPT must refuse to run, and did.
+        """
+        status, output, errors = self.run_any(*command)
+        self.assertNotIn(PLUGIN_MESSAGE, output + errors)
+        if self.mrpt_version() >= UNKNOWN_MAPS_ARE_ERRORS:
+            self.assertNotEqual(status, 0, output[-2000:] + errors[-2000:])
+            self.assertRegex(output + errors, "no such registered CMetricMap class 'superRay")
+            return None
+        self.assertEqual(status, 0, output[-2000:] + errors[-2000:])
         return output, errors
 
     def assert_documented(self, text):

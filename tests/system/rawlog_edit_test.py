@@ -1,5 +1,6 @@
 """Stock rawlog-edit with the plugin (-p), and maps of what it writes."""
 
+import re
 import unittest
 
 from programs import PLUGIN_MESSAGE, ProgramTest
@@ -31,6 +32,20 @@ class RawlogEdit(ProgramTest):
                                   for name, _ in (RGBD, VELODYNE)))
         return path
 
+    def skip_if_edits_write_everything(self, *arguments):
+        """A bug of rawlog-edit from MRPT 2.12.1 on: edits do not leave anything out.
+
+        The arguments are an edit that must leave one of two objects.
+        """
+        edited = self.edit(*arguments, "-i", self.both())
+        info, _ = self.run_program("rawlog-edit", "--info", "-i", edited)
+        objects = re.search(r"Overall number of objects +: (\d+)", info)
+        self.assertIsNotNone(objects, info)
+        if int(objects[1]) != 1:
+            self.skip_loudly(f"stock rawlog-edit {arguments[0]} of MRPT "
+                             f"{'.'.join(map(str, self.mrpt_version()))} leaves {objects[1]} "
+                             "objects of 2, where it must leave 1")
+
     def test_info(self):
         rawlog = self.dataset(RGBD[0])
         plain, errors = self.run_program("rawlog-edit", "--info", "-i", rawlog)
@@ -43,6 +58,8 @@ class RawlogEdit(ProgramTest):
         self.assertIn(RGBD[1], loaded)
 
     def test_cut_and_keep_label_leave_one_sensor(self):
+        self.skip_if_edits_write_everything("--cut", "--to-index", "0")
+        self.skip_if_edits_write_everything("--keep-label", RGBD[1])
         both = self.both()
         expected = {label: self.map_of(self.dataset(name)) for name, label in (RGBD, VELODYNE)}
         self.assertNotEqual(*expected.values())
@@ -58,6 +75,7 @@ class RawlogEdit(ProgramTest):
                     self.assertEqual(self.map_of(edited), expected[label])
 
     def test_cut_of_action_observation_pairs(self):
+        self.skip_if_edits_write_everything("--cut", "--to-index", "0")
         rawlog = self.dataset("localization_demo.rawlog")
         options = ("--map", "CSuperRayGridMap2D")
         copy = self.edit("--cut", "--from-index", "0", "-i", rawlog)

@@ -7,6 +7,8 @@ Odometry stays the recorded one, which ends more than 9 m off.
 
 import math
 
+from programs import decompressed
+
 LOOP_RAWLOG = "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog"
 
 
@@ -18,6 +20,17 @@ def read_path(path):
 
 def distance(a, b):
     return math.hypot(a[0] - b[0], a[1] - b[1])
+
+
+def from_first_action(rawlog):
+    """The objects of a rawlog from its first actions on.
+
+    Not by rawlog-edit --cut, which writes everything from MRPT 2.12.1 on.
+    """
+    name = b"CActionCollection"
+    start = rawlog.find(bytes([0x80 | len(name)]) + name)  # how MRPT begins an object
+    assert start > 0, "no actions in the rawlog"
+    return rawlog[start:]
 
 
 class SimulatedDrive:
@@ -38,8 +51,7 @@ class SimulatedDrive:
         test.run_program("image2gridmap", "-i", picture, "-o", folder / "world.gridmap",
                          "-r", info["resolution"], "--px", x, "--py", y)
         # simul-gridmap wants action/observation pairs from the first entry on.
-        test.run_program("rawlog-edit", "--cut", "--from-index", "1", "-i", loop,
-                         "-o", folder / "pairs.rawlog")
+        (folder / "pairs.rawlog").write_bytes(from_first_action(decompressed(loop)))
         self.rawlog = folder / "simulated.rawlog"
         test.run_program("simul-gridmap", "-n", "-g", folder / "world.gridmap",
                          "-p", path_file, "-i", folder / "pairs.rawlog", "-o", self.rawlog)

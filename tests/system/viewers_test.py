@@ -11,7 +11,7 @@ import sys
 import time
 import unittest
 
-from programs import PLUGIN_MESSAGE, ProgramTest
+from programs import PLUGIN_MESSAGE, VIEWER_TITLE_IS_FIXED, ProgramTest
 
 SCREEN = "1280x1024x24"
 INSIDE = "SUPERRAY_TEST_INSIDE_XVFB"
@@ -115,7 +115,8 @@ class SceneViewer(Viewers):
         """Starts the viewer, comes closer and counts what is not background."""
         self.assert_documented("SceneViewer3D -l libsuperray-maps.so room.3Dscene")
         end = self.start("SceneViewer3D", "-l", self.plugin, scene)
-        window = self.window(scene.name)
+        window = self.window("SceneViewer3D - Part of"
+                             if self.mrpt_version() >= VIEWER_TITLE_IS_FIXED else scene.name)
         self.place(window, 1270, 1000)
         self.xdotool("mousemove", "--window", window, 700, 500, "click", "--repeat", 10,
                      "--delay", 50, 4)
