@@ -85,7 +85,7 @@ class ChunkedPool {
     struct Slab {
         static constexpr std::align_val_t kAlignment{alignof(T)};
         struct Delete {
-            void operator()(T* memory) const { ::operator delete(memory, kAlignment); }
+            void operator()(T* chunks) const { ::operator delete(chunks, kAlignment); }
         };
         std::unique_ptr<T, Delete> memory;
         explicit Slab(std::size_t chunks)

@@ -1,3 +1,4 @@
+#include "kernels/compiler.h"
 #include "kernels/walk_kernel.h"
 
 #if defined(__x86_64__)
@@ -7,6 +8,7 @@
 #include <cstring>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #define SUPERRAY_TARGET __attribute__((target("avx2")))
 

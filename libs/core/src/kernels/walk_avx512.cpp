@@ -1,3 +1,4 @@
+#include "kernels/compiler.h"
 #include "kernels/walk_kernel.h"
 
 #if defined(__x86_64__)
@@ -7,9 +8,14 @@
 #include <cstring>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
+#if defined(__clang__)  // which has no such preference
+#define SUPERRAY_TARGET __attribute__((target("avx2,avx512f,avx512vl,avx512dq")))
+#else
 #define SUPERRAY_TARGET \
     __attribute__((target("avx2,avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
+#endif
 
 #include "kernels/lane_types.h"
 //

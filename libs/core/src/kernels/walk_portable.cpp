@@ -1,9 +1,11 @@
+#include "kernels/compiler.h"
 #include "kernels/walk_kernel.h"
 
 #include <algorithm>
 #include <cstring>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #define SUPERRAY_TARGET
 

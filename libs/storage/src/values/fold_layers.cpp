@@ -71,8 +71,12 @@ struct Lanes {
 #include "values/fold_kernel.inc"
 }  // namespace sse2
 
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
 #pragma GCC push_options
 #pragma GCC target("avx2")
+#endif
 namespace avx2 {
 struct Lanes {
     using F = __m256;
@@ -106,10 +110,18 @@ struct Lanes {
 };
 #include "values/fold_kernel.inc"
 }  // namespace avx2
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
 #pragma GCC pop_options
+#endif
 
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx512f,avx512bw"))), apply_to = function)
+#else
 #pragma GCC push_options
 #pragma GCC target("avx512f,avx512bw")
+#endif
 namespace avx512 {
 struct Lanes {
     using F = __m512;
@@ -137,7 +149,11 @@ struct Lanes {
 };
 #include "values/fold_kernel.inc"
 }  // namespace avx512
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
 #pragma GCC pop_options
+#endif
 
 #endif  // SUPERRAY_X86_VERSIONS
 
