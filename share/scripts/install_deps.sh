@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that building, testing and the demo need, and
 # only those that are missing. Does nothing, and needs no network and no rights,
-# when all are there.
+# when all are there: install_deps.sh [--packaging]
+#   --packaging  also what building packages needs
 set -euo pipefail
 
 packages=(
@@ -14,6 +15,7 @@ packages=(
     python3               # system tests
     xvfb xauth xdotool imagemagick libgl1-mesa-dri # system tests with windows
 )
+[[ ${1:-} != --packaging ]] || packages+=(help2man file dpkg-dev)
 
 missing=()
 for package in "${packages[@]}"; do
