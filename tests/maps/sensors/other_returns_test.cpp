@@ -4,6 +4,7 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/serialization/CArchive.h>
+#include <superray/maps/mrpt_compat.h>
 #include <superray/maps/observation_rays.h>
 
 #include "maps/test_scans.h"
@@ -94,6 +95,9 @@ TEST(PlanarScan, OneRayLooksForward) {
 TEST(RotatingScan, OneRowIsAPlanarScan) {
     const auto file = test::mrptDataset("rot_scan_2d.rawlog");
     SUPERRAY_SKIP_WITHOUT(file);
+    if (!kReadsEarlierRotatingScans)
+        GTEST_SKIP() << "this MRPT cannot read its own " << file
+                     << ": rotating scans of one row are NOT TESTED with it";
     const auto scan = std::dynamic_pointer_cast<mrpt::obs::CObservationRotatingScan>(
         test::readScans(file, 1)[0].scan);
     ASSERT_TRUE(scan);
