@@ -3,6 +3,8 @@
 
 #include <mrpt/obs/CObservation.h>
 
+#include "sensors/external_file.h"
+
 namespace superray {
 
 /// Loads externally stored data for its lifetime.
@@ -11,7 +13,7 @@ class LoadedObservation {
     /// \param unloadAfter the data were not in memory before
     LoadedObservation(const mrpt::obs::CObservation& observation, bool unloadAfter)
         : observation_(observation), unloadAfter_(unloadAfter) {
-        observation_.load();
+        loadExternalData(observation_);
     }
     ~LoadedObservation() {
         if (unloadAfter_) observation_.unload();
