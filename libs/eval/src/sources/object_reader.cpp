@@ -1,8 +1,8 @@
 #include "sources/object_reader.h"
 
-#include <mrpt/core/exceptions.h>
 #include <mrpt/obs/CRawlog.h>
 #include <mrpt/system/os.h>
+#include <superray/maps/newer_objects.h>
 
 namespace superray {
 
@@ -28,7 +28,7 @@ std::string readFailure(CompressedInput& file, const std::exception& error) {
 }
 
 ObjectReader::ObjectReader(const std::string& path)
-    : path_(path), file_(openInput(path)), archive_(mrpt::serialization::archiveFrom(*file_)) {}
+    : path_(path), file_(openInput(path)) {}
 
 CSerializable::Ptr ObjectReader::next() {
     while (pending_.empty()) {
@@ -46,7 +46,7 @@ CSerializable::Ptr ObjectReader::next() {
 
 CSerializable::Ptr ObjectReader::read() {
     try {
-        return archive_.ReadObject();
+        return readObject(*file_);
     } catch (const std::exception& e) {
         const std::string why = readFailure(*file_, e);
         if (objects_ == 0 && !file_->atEnd())

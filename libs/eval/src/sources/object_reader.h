@@ -2,7 +2,7 @@
 /// \file object_reader.h
 /// The objects of an MRPT file one by one.
 
-#include <mrpt/serialization/CArchive.h>
+#include <mrpt/serialization/CSerializable.h>
 #include <superray/eval/input_error.h>
 #include <superray/maps/compressed_input.h>
 
@@ -40,16 +40,12 @@ class ObjectReader {
     std::uint64_t objects() const { return objects_; }
 
  private:
-    using Archive =
-        decltype(mrpt::serialization::archiveFrom(std::declval<CompressedInput&>()));
-
     mrpt::serialization::CSerializable::Ptr read();
     [[noreturn]] void fail(const std::string& why) const;
     void expand(const mrpt::serialization::CSerializable::Ptr& object);
 
     std::string path_;
     std::unique_ptr<CompressedInput> file_;
-    Archive archive_;
     std::deque<mrpt::serialization::CSerializable::Ptr> pending_;
     std::uint64_t objects_ = 0;
 };

@@ -1,6 +1,6 @@
 #include <mrpt/maps/CSimpleMap.h>
-#include <mrpt/serialization/CArchive.h>
 #include <superray/eval/input_error.h>
+#include <superray/maps/newer_objects.h>
 
 #include <algorithm>
 #include <vector>
@@ -16,7 +16,11 @@ mrpt::maps::CSimpleMap readSimpleMap(const std::string& path) {
     mrpt::maps::CSimpleMap map;
     std::string why;
     try {
-        mrpt::serialization::archiveFrom(*file) >> map;
+        const auto object = readObject(*file);
+        if (!IS_CLASS(*object, mrpt::maps::CSimpleMap))
+            throw std::runtime_error("it is a " +
+                                     std::string(object->GetRuntimeClass()->className));
+        map = dynamic_cast<const mrpt::maps::CSimpleMap&>(*object);
         // The end of the compressed data holds their check sum.
         if (!file->atEnd()) why = "other data follow it";
         if (!file->error().empty()) why = file->error();

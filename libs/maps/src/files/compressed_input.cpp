@@ -68,6 +68,7 @@ struct CompressedInput::State {
     InputBytes input;                ///< what of `raw` is not yet decoded
     std::vector<unsigned char> decoded;
     std::size_t begin = 0, end = 0;  ///< what of `decoded` is not yet read
+    std::string unread;              ///< to be read again, before all others
     std::uint64_t position = 0;      ///< bytes read from the stream
     Compression compression = Compression::none;
     std::unique_ptr<Decoder> decoder;
@@ -109,9 +110,16 @@ std::uint64_t CompressedInput::getPosition() const {
     return state_->position;
 }
 
+void CompressedInput::unread(const std::string& bytes) {
+    state_->unread.insert(0, bytes);
+    state_->position -= bytes.size();
+}
+
 std::size_t CompressedInput::Read(void* buffer, std::size_t count) {
     auto* out = static_cast<unsigned char*>(buffer);
-    std::size_t done = 0;
+    std::size_t done = std::min(count, state_->unread.size());
+    std::memcpy(out, state_->unread.data(), done);
+    state_->unread.erase(0, done);
     while (done < count && !atEnd()) {
         const std::size_t some = std::min(count - done, state_->end - state_->begin);
         std::memcpy(out + done, state_->decoded.data() + state_->begin, some);

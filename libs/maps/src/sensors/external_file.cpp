@@ -8,7 +8,9 @@
 #include <mrpt/serialization/stl_serialization.h>
 #include <superray/maps/compressed_input.h>
 #include <superray/maps/mrpt_compat.h>
+#include <superray/maps/newer_objects.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 #include <vector>
@@ -19,14 +21,13 @@ namespace {
 using mrpt::obs::CObservation3DRangeScan;
 using mrpt::obs::CObservationPointCloud;
 
-/// Calls `read(archive)`; says which file is broken, and how.
+/// Calls `read(file)`; says which file is broken, and how.
 template <class Reader>
-void readArchive(const std::string& path, const Reader& read) {
+void readFile(const std::string& path, const Reader& read) {
     CompressedInput file(path);
-    auto archive = mrpt::serialization::archiveFrom(file);
     std::string why;
     try {
-        read(archive);
+        read(file);
         // The check sum is at the end.
         while (!file.atEnd()) {
             char rest[4096];
@@ -54,8 +55,8 @@ bool loadCloud(const CObservationPointCloud& scan) {
     using Format = CObservationPointCloud::ExternalStorageFormat;
     if (StorageFormat::of(scan) != Format::MRPT_Serialization) return false;
     const auto path = mrpt::io::lazy_load_absolute_path(scan.getExternalStorageFile());
-    readArchive(path, [&](mrpt::serialization::CArchive& archive) {
-        auto cloud = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(archive.ReadObject());
+    readFile(path, [&](CompressedInput& file) {
+        auto cloud = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(readObject(file));
         if (!cloud) throw std::runtime_error("it holds no point cloud");
         // load() is const in MRPT, too: the data are a cache of the file.
         const_cast<CObservationPointCloud&>(scan).pointcloud = std::move(cloud);
@@ -70,26 +71,27 @@ bool isZstd(const std::string& path) {
 
 /// The layout of MRPT's `*_RANGES.bin`: rows, columns, values row by row.
 void loadRangeImage(CObservation3DRangeScan& scan, const std::string& path) {
-    readArchive(path, [&](mrpt::serialization::CArchive& archive) {
+    readFile(path, [&](CompressedInput& file) {
+        auto archive = mrpt::serialization::archiveFrom(file);
         std::uint32_t rows = 0, columns = 0;
         archive >> rows >> columns;
         if (rows > 65536 || columns > 65536)
             throw std::runtime_error("a range image of " + std::to_string(columns) + " x " +
                                      std::to_string(rows) + " pixels: at most 65536 a side");
-        mrpt::math::CMatrix_u16 image;
-        for (std::uint32_t row = 0; row < rows; ++row) {
-            // Grows as the file does: a damaged size must not ask for gigabytes.
-            image.conservativeResize(row + 1, columns);
-            for (std::uint32_t column = 0; column < columns; ++column)
-                archive >> image(row, column);
-        }
+        // Grows as the file does: a damaged size must not ask for gigabytes.
+        std::vector<std::uint16_t> values;
+        for (std::size_t i = 0; i < std::size_t{rows} * columns; ++i)
+            values.push_back(archive.ReadAs<std::uint16_t>());
+        mrpt::math::CMatrix_u16 image(rows, columns);
+        std::copy(values.begin(), values.end(), image.data());
         scan.rangeImage = std::move(image);
     });
 }
 
 /// The layout of MRPT's `*_3D.bin`: all x, all y, all z.
 void loadPoints(CObservation3DRangeScan& scan, const std::string& path) {
-    readArchive(path, [&](mrpt::serialization::CArchive& archive) {
+    readFile(path, [&](CompressedInput& file) {
+        auto archive = mrpt::serialization::archiveFrom(file);
         std::vector<float> x, y, z;
         archive >> x >> y >> z;
         scan.points3D_x = {x.begin(), x.end()};

@@ -49,6 +49,8 @@ class CompressedInput final : public mrpt::io::CStream {
 
     /// Fewer bytes than `count` only at the end, or before an error.
     std::size_t Read(void* buffer, std::size_t count) override;
+    /// Puts bytes that were read back before those that come next.
+    void unread(const std::string& bytes);
     std::size_t Write(const void*, std::size_t) override { return 0; }
     std::uint64_t Seek(std::int64_t, CStream::TSeekOrigin) override { return getPosition(); }
     std::uint64_t getTotalBytesCount() const override { return fileSize(); }
