@@ -36,6 +36,9 @@ using GlScene = mrpt::opengl::Scene;
 using GlScene = mrpt::opengl::COpenGLScene;
 #endif
 
+/// True if MRPT's own streams read (and write) zstd: 2.15.7 and later.
+constexpr bool kMrptReadsZstd = MRPT_VERSION >= 0x020F07;
+
 /// What MRPT's map creators return: a raw pointer, or a std::shared_ptr from
 /// 2.11.3 on.
 using MapCreatorResult = decltype(std::declval<mrpt::maps::internal::MapCtorFromDefFunctor>()(
