@@ -10,4 +10,7 @@ launcher=()
 command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 cmake --preset "$preset" -DSUPERRAY_BUILD_TESTS=ON ${launcher[@]+"${launcher[@]}"}
 cmake --build --preset "$preset" --parallel "$(nproc)"
-ctest --test-dir "build/$preset" --output-on-failure --parallel "$(nproc)"
+status=0
+ctest --test-dir "build/$preset" --output-on-failure --parallel "$(nproc)" || status=$?
+python3 share/scripts/skipped_tests.py "build/$preset/Testing/Temporary/LastTest.log"
+exit "$status"

@@ -1,3 +1,4 @@
+#include <superray/maps/gzip_output.h>
 #include <superray/maps/super_ray_map_base.h>
 
 #include <mrpt/img/CImage.h>
@@ -284,7 +285,7 @@ template <int Dim>
 void CSuperRayMapBase<Dim>::exportScene(const std::string& path) const {
     GlScene scene;
     scene.insert(visualization());
-    if (!scene.saveToFile(path)) throw std::runtime_error("cannot write " + path);
+    if (!writeGzip(scene, path)) throw std::runtime_error("cannot write " + path);
 }
 
 template <int Dim>

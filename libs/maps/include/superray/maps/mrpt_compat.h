@@ -85,6 +85,9 @@ mrpt::img::TColor toColor(const Color& color) {
     }
 }
 
+/// True if MRPT's own streams read (and write) zstd: 2.15.7 and later.
+constexpr bool kMrptReadsZstd = MRPT_VERSION >= 0x020F07;
+
 /// What MRPT's map creators return: a raw pointer, or a std::shared_ptr from
 /// 2.11.3 on.
 using MapCreatorResult = decltype(std::declval<mrpt::maps::internal::MapCtorFromDefFunctor>()(
@@ -142,6 +145,14 @@ std::vector<float> pointTimes(const Points& cloud) {
     return {};
 }
 
+/// False if this MRPT cannot read rotating scans that earlier ones wrote: 2.11.4 changed
+/// their stream, but not its version number. (Trying takes minutes.)
+#if MRPT_VERSION < 0x020B04
+inline constexpr bool kReadsEarlierRotatingScans = true;
+#else
+inline constexpr bool kReadsEarlierRotatingScans = false;
+#endif
+
 /// One pose of a CSimpleMap, with what was observed there. Either may be null.
 struct KeyFrameParts {
     std::shared_ptr<const mrpt::poses::CPose3DPDF> pose;
@@ -160,14 +171,20 @@ inline KeyFrameParts keyFrameParts(const mrpt::maps::CSimpleMap& map, std::size_
 #endif
 }
 
-/// A points map that decides what assigning another points map to it does.
-///
-/// From 2.13.2 on MRPT does not ask: `CPointsMap& = other` clears the map and
-/// inserts the bare points of the other one.
+/// True if assigning through a CPointsMap& asks the points map what to do. From 2.13.2
+/// on it clears the map and inserts the bare points of the other one.
+#if MRPT_VERSION < 0x020D02
+inline constexpr bool kAssignmentAsksThePointsMap = true;
+#else
+inline constexpr bool kAssignmentAsksThePointsMap = false;
+#endif
+
+/// A points map that decides what assigning another points map to it does, where MRPT
+/// asks; see kAssignmentAsksThePointsMap.
 class AssignablePointsMap : public mrpt::maps::CSimplePointsMap {
  protected:
     AssignablePointsMap() = default;
-    /// Called by assignments through CPointsMap, before 2.13.2.
+    /// Called by assignments through a CPointsMap&, if MRPT asks.
     virtual void assignFrom(const mrpt::maps::CPointsMap& other) = 0;
     /// Coordinates and options, without a call of clear().
     void copyPoints(const CSimplePointsMap& other) {

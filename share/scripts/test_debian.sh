@@ -1,0 +1,121 @@
+#!/usr/bin/env bash
+# Does what a new user does, in a fresh root of a Debian release:
+#
+#   test_debian.sh RELEASE [--user] [--packages] [--keep DIR]
+#
+#   RELEASE     bookworm, trixie, sid, ...
+#   --user      as a plain user with sudo instead of root
+#   --packages  afterwards build the packages, and test them in another fresh root
+#   --keep DIR  where the root is made; DIR must not exist, and stays. Default: a
+#               folder that is removed at the end
+#
+# Runs demo.sh and test.sh there on the committed state of this checkout, with
+# ../shared beside it (read-only) if it exists. Needs root, debootstrap (installed
+# where missing) and a network. Mounts are private to this script: none is left behind.
+#
+# Exit code: 0 passed, 1 failed, 2 usage, 77 no such root can be made here.
+set -euo pipefail
+source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+
+usage() { sed -n '2,17s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 2; }
+cannot() { echo "CANNOT TEST in a fresh root: $1" >&2; exit 77; }
+
+release= keep= as_user=0 packages=0
+while [[ $# -gt 0 ]]; do
+    case $1 in
+        --user) as_user=1; shift ;;
+        --packages) packages=1; shift ;;
+        --keep) [[ $# -gt 1 ]] || usage; keep=$2; shift 2 ;;
+        -*) usage ;;
+        *) [[ -z $release ]] || usage; release=$1; shift ;;
+    esac
+done
+[[ -n $release ]] || usage
+
+[[ $(id -u) -eq 0 ]] || cannot "this needs root"
+if ! command -v debootstrap >/dev/null; then
+    { apt-get -qq update && apt-get -qq install --yes debootstrap; } </dev/null >/dev/null 2>&1 ||
+        cannot "debootstrap is missing and cannot be installed"
+fi
+unshare --mount true 2>/dev/null || cannot "private mounts are not allowed"
+
+if [[ -n $keep ]]; then
+    [[ ! -e $keep ]] || { echo "error: $keep exists" >&2; exit 2; }
+    mkdir -p "$keep"
+    root=$(cd "$keep" && pwd)
+else
+    root=$(mktemp -d "${TMPDIR:-/var/tmp}/superray-$release-XXXXXX")
+    trap 'rm -rf --one-file-system "$root"' EXIT
+fi
+
+# make_root DIR: a minimal system of the release, which reaches what this one reaches.
+make_root() {
+    debootstrap --variant=minbase "$release" "$1" >"$1.log" 2>&1 || {
+        tail -n 5 "$1.log" >&2
+        rm -f "$1.log"
+        cannot "debootstrap $release failed"
+    }
+    rm -f "$1.log"
+    cp -L /etc/resolv.conf /etc/hosts "$1/etc/" 2>/dev/null || true
+    # Package lists of a mirror that stands still are past their date.
+    echo 'Acquire::Check-Valid-Until "false";' >"$1/etc/apt/apt.conf.d/90mirror"
+}
+
+# in_root DIR COMMAND: runs a shell command there, in the checkout's copy.
+in_root() {
+    unshare --mount --propagation private --pid --fork --kill-child bash -euc '
+        root=$1 shared=$2
+        mount -t proc proc "$root/proc"
+        mount --rbind /sys "$root/sys"
+        mount --rbind /dev "$root/dev"
+        if [[ -d $shared ]]; then
+            mkdir -p "$root/srv/shared"
+            mount --bind "$shared" "$root/srv/shared"
+            mount -o remount,bind,ro "$root/srv/shared"
+        fi
+        exec chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
+            LANG=C.UTF-8 bash -euc "cd /srv/superray; $3"' \
+        - "$1" "$source_dir/../shared" "$2" </dev/null
+}
+
+# copy_checkout DIR
+copy_checkout() {
+    mkdir -p "$1/srv/superray"
+    if git -C "$source_dir" rev-parse --verify -q HEAD >/dev/null 2>&1; then
+        git -C "$source_dir" diff --quiet HEAD ||
+            echo "note: changes that are not committed are not tested" >&2
+        git -C "$source_dir" archive HEAD | tar -x -C "$1/srv/superray"
+    else
+        tar -c -C "$source_dir" --exclude ./build --exclude ./out . |
+            tar -x -C "$1/srv/superray"
+    fi
+}
+
+echo "=== A fresh root of Debian $release: $root"
+make_root "$root/system"
+copy_checkout "$root/system"
+
+commands="bash share/scripts/demo.sh; bash share/scripts/test.sh"
+echo "=== Debian $release: $commands"
+if ((as_user)); then
+    in_root "$root/system" "
+        apt-get -qq update
+        apt-get -qq install --yes --no-install-recommends sudo >/dev/null
+        useradd --create-home --shell /bin/bash tester
+        echo 'tester ALL=(ALL) NOPASSWD: ALL' >/etc/sudoers.d/tester
+        chown -R tester: /srv/superray
+        su tester -c 'set -eu; $commands'"
+else
+    in_root "$root/system" "$commands"
+fi
+
+if ((packages)); then
+    echo "=== Debian $release: packages"
+    in_root "$root/system" "bash share/scripts/package.sh out/packages"
+    make_root "$root/clean"
+    mkdir -p "$root/clean/srv/superray"
+    cp -r "$root/system/srv/superray/out/packages" "$root/clean/srv/"
+    copy_checkout "$root/clean"
+    in_root "$root/clean" "bash tests/system/packages_test.sh /srv/packages"
+fi
+echo "=== Debian $release: passed"
