@@ -120,7 +120,7 @@ RayBundle<Dim> makeScan(Scene scene, Random& random, const CellGeometry<Dim>& g,
                 end[wallAxis] = origin[wallAxis] + wallAt + uniform(random, 0, 0.1 * r);
                 break;
         }
-        rays.add(end, integer(random, 0, 19) == 0 ? RayEnd::open : RayEnd::hit);
+        rays.add(end, integer(random, 0, 19) == 0 ? RayEnd::noReturn : RayEnd::hit);
     }
     return rays;
 }

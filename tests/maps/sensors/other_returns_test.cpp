@@ -173,8 +173,8 @@ TEST(ToRays, RangesAreLimitedAndBadPointsCounted) {
     const auto rays = toRays(returns, {}, CellGeometry<3>(0.1), options, report);
     ASSERT_EQ(rays.size(), 3u);
     EXPECT_EQ(rays.kind(0), RayEnd::hit);
-    EXPECT_EQ(rays.kind(1), RayEnd::open);
-    EXPECT_EQ(rays.kind(2), RayEnd::open);
+    EXPECT_EQ(rays.kind(1), RayEnd::noReturn);
+    EXPECT_EQ(rays.kind(2), RayEnd::noReturn);
     EXPECT_NEAR(rays.end(2).x(), 5, 1e-12);
     EXPECT_EQ(report.skipped.notFinite, 2u);
     EXPECT_EQ(report.skipped.tooNear, 1u);

@@ -120,7 +120,7 @@ void forEachRay(const SensorReturns& returns, const TInsertionOptions& options,
         }
     };
     add(returns.hits, returns.hitTimes, RayEnd::hit);
-    add(returns.noReturns, returns.noReturnTimes, RayEnd::open);
+    add(returns.noReturns, returns.noReturnTimes, RayEnd::noReturn);
     report.noReturns += returns.noReturnCount;
 }
 

@@ -4,7 +4,7 @@
 namespace superray {
 
 /// Whether to try it now: after a try in vain, not again before the tenth chance.
-class Attempts {
+class Backoff {
  public:
     static constexpr int kChances = 10;  ///< from a try in vain to the next try
 

@@ -10,8 +10,8 @@
 
 #include "core/dims.h"
 #include "core/ray_generators.h"
-#include "skipping/horizon.h"
 #include "kernels/walk_kernel.h"
+#include "skipping/direction_ranges.h"
 
 namespace superray::test {
 
@@ -54,76 +54,76 @@ RayLine<Dim> lineOf(const RayBundle<Dim>& scan, std::size_t ray) {
     return RayLine<Dim>(scan.geometry(), scan.commonOrigin(), scan.end(ray));
 }
 
-/// RayDirections of all rays from `first` on.
+/// ClassifiedBatch of all rays from `first` on.
 template <int Dim>
-struct ScanDirections {
-    DirectionTiles<Dim> tiles;
-    std::vector<std::uint32_t> spot;
+struct ClassifiedScan {
+    DirectionBins<Dim> bins;
+    std::vector<std::uint32_t> subBin;
     std::vector<std::uint16_t> lastSlice;
-    std::vector<Extent> extent;
+    std::vector<CellOffset> endOffset;
     std::vector<std::uint32_t> block;
     std::vector<std::uint16_t> local;
     std::vector<std::uint32_t> runs;  ///< where they begin
-    std::uint32_t kinds = 0;
+    std::uint32_t sectors = 0;
 };
 
 /// Calls use(first ray, number of rays, directions) for pieces of a scan.
 template <int Dim, typename Use>
 void inPieces(const WalkKernels<Dim>& kernels, const RayBundle<Dim>& scan, std::size_t first,
-              ScanDirections<Dim>& all, const Use& use) {
+              ClassifiedScan<Dim>& all, const Use& use) {
     const BlockBox<Dim> box{blockOf<Dim>(scan.geometry().cellOf(scan.lowest())),
                             blockOf<Dim>(scan.geometry().cellOf(scan.highest()))};
     BlockDirectory<Dim> directory;
     directory.reset(box);
-    constexpr std::size_t kSlack = RayDirections<Dim>::kSlack;
-    all.spot.resize(scan.size() - first + kSlack);
+    constexpr std::size_t kSlack = ClassifiedBatch<Dim>::kSlack;
+    all.subBin.resize(scan.size() - first + kSlack);
     all.lastSlice.resize(scan.size() - first + kSlack);
-    const auto piece = std::make_unique<RayDirections<Dim>>();
-    for (std::size_t at = first; at < scan.size(); at += RayDirections<Dim>::kMost) {
-        const std::size_t count = std::min(RayDirections<Dim>::kMost, scan.size() - at);
-        kernels.findDirections(scan, at, count, directory, all.tiles,
-                               all.spot.data() + (at - first),
-                               all.lastSlice.data() + (at - first), *piece);
+    const auto piece = std::make_unique<ClassifiedBatch<Dim>>();
+    for (std::size_t at = first; at < scan.size(); at += ClassifiedBatch<Dim>::kMost) {
+        const std::size_t count = std::min(ClassifiedBatch<Dim>::kMost, scan.size() - at);
+        kernels.classifyRays(scan, at, count, directory, all.bins,
+                             all.subBin.data() + (at - first),
+                             all.lastSlice.data() + (at - first), *piece);
         use(at, count, *piece);
     }
 }
 
 template <int Dim>
-ScanDirections<Dim> directionsOf(const RayBundle<Dim>& scan, int levels,
-                                 const WalkKernels<Dim>& kernels = bestKernels<Dim>(),
-                                 std::size_t first = 0) {
-    ScanDirections<Dim> all;
-    all.tiles.levels = levels;
+ClassifiedScan<Dim> classify(const RayBundle<Dim>& scan, int levels,
+                             const WalkKernels<Dim>& kernels = bestKernels<Dim>(),
+                             std::size_t first = 0) {
+    ClassifiedScan<Dim> all;
+    all.bins.levels = levels;
     inPieces(kernels, scan, first, all,
-             [&](std::size_t at, std::size_t count, const RayDirections<Dim>& d) {
+             [&](std::size_t at, std::size_t count, const ClassifiedBatch<Dim>& d) {
                  const auto n = static_cast<std::ptrdiff_t>(count);
-                 all.extent.insert(all.extent.end(), d.extent.begin(), d.extent.begin() + n);
+                 all.endOffset.insert(all.endOffset.end(), d.endOffset.begin(),
+                                      d.endOffset.begin() + n);
                  all.block.insert(all.block.end(), d.block.begin(), d.block.begin() + n);
                  all.local.insert(all.local.end(), d.local.begin(), d.local.begin() + n);
-                 all.kinds |= d.kinds;
+                 all.sectors |= d.sectors;
                  std::vector<std::uint32_t> starts(count + 16);
                  const std::size_t runs =
                      kernels.findRuns(d, scan.kinds() + at, count, starts.data());
                  for (std::size_t i = 0; i < runs; ++i)
                      all.runs.push_back(static_cast<std::uint32_t>(at - first) + starts[i]);
              });
-    all.spot.resize(scan.size() - first);  // vector loads are over
+    all.subBin.resize(scan.size() - first);  // vector loads are over
     return all;
 }
 
 template <int Dim>
-Horizon<Dim> horizonOf(const RayBundle<Dim>& scan, ScanDirections<Dim> directions) {
-    Horizon<Dim> horizon;
-    horizon.reset(directions.tiles,
-                  RayLine<Dim>::unitsOf(scan.geometry(), scan.commonOrigin()));
+DirectionRanges<Dim> rangesOf(const RayBundle<Dim>& scan, ClassifiedScan<Dim> directions) {
+    DirectionRanges<Dim> ranges;
+    ranges.reset(directions.bins, RayLine<Dim>::unitsOf(scan.geometry(), scan.commonOrigin()));
     inPieces(bestKernels<Dim>(), scan, 0, directions,
-             [&](std::size_t, std::size_t count, const RayDirections<Dim>& d) {
+             [&](std::size_t, std::size_t count, const ClassifiedBatch<Dim>& d) {
                  std::vector<std::uint32_t> rays(count);
                  std::iota(rays.begin(), rays.end(), 0);
-                 horizon.addRays(d, rays.data(), count);
+                 ranges.addRays(d, rays.data(), count);
              });
-    horizon.completeReach();
-    return horizon;
+    ranges.completeFarthest();
+    return ranges;
 }
 
 }  // namespace superray::test

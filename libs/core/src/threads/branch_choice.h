@@ -11,7 +11,7 @@ namespace superray {
 enum class Branches { predicted, none };
 
 /// Which of them is faster for the next steps, going by the last ones.
-class Surprise {
+class BranchChoice {
  public:
     bool unpredictable() const { return unpredictable_; }
     void learn(std::size_t changes, std::size_t steps) {

@@ -1,4 +1,4 @@
-#include "threads/in_turns.h"
+#include "threads/interleave.h"
 
 #include <gtest/gtest.h>
 
@@ -7,26 +7,26 @@
 namespace superray {
 namespace {
 
-TEST(InTurns, TakesEachStepOnceAndThoseOfAPlaceInOrder) {
+TEST(Interleave, TakesEachStepOnceAndThoseOfALaneInOrder) {
     for (std::size_t count = 0; count < 40; ++count) {
         std::vector<int> times(count);
-        std::vector<std::size_t> ofPlace[4];
-        inTurns(count, [&](std::size_t place, std::size_t i) {
-            ASSERT_LT(place, 4u);
+        std::vector<std::size_t> ofLane[4];
+        interleave(count, [&](std::size_t lane, std::size_t i) {
+            ASSERT_LT(lane, 4u);
             ASSERT_LT(i, count);
             ++times[i];
-            if (!ofPlace[place].empty()) {
-                ASSERT_EQ(i, ofPlace[place].back() + 1);
+            if (!ofLane[lane].empty()) {
+                ASSERT_EQ(i, ofLane[lane].back() + 1);
             }
-            ofPlace[place].push_back(i);
+            ofLane[lane].push_back(i);
         });
         EXPECT_EQ(times, std::vector<int>(count, 1));
     }
 }
 
-TEST(InTurns, NeighboursAreNotTakenOneAfterTheOther) {
+TEST(Interleave, NeighboursAreNotTakenOneAfterTheOther) {
     std::size_t before = 0, neighbours = 0;
-    inTurns(400, [&](std::size_t, std::size_t i) {
+    interleave(400, [&](std::size_t, std::size_t i) {
         neighbours += i == before + 1;
         before = i;
     });

@@ -12,15 +12,15 @@ namespace superray {
 
 /// Inclusive cell bounds of all origins and end points. \pre !rays.empty()
 template <int Dim>
-struct ScanExtent {
+struct ScanBounds {
     Cell<Dim> lowest, highest;
-    explicit ScanExtent(const RayBundle<Dim>& rays)
+    explicit ScanBounds(const RayBundle<Dim>& rays)
         : lowest(rays.geometry().cellOf(rays.lowest())),
           highest(rays.geometry().cellOf(rays.highest())) {}
     BlockBox<Dim> blocks() const { return {blockOf<Dim>(lowest), blockOf<Dim>(highest)}; }
 };
 
-/// Length along the dominant axis [cells] of an average ray of [first, last), by a
+/// Length along the major axis [cells] of an average ray of [first, last), by a
 /// sample. \pre first < last; the rays have the common origin
 template <int Dim>
 double typicalLength(const RayBundle<Dim>& rays, std::size_t first, std::size_t last) {
