@@ -11,8 +11,6 @@ function(superray_target_settings target)
             -Woverloaded-virtual
             # Part of clang's -Wconversion, not of GCC's.
             -Wno-sign-conversion
-            # What macros of GoogleTest do, and every compiler knows.
-            $<$<CXX_COMPILER_ID:Clang,AppleClang>:-Wno-gnu-zero-variadic-macro-arguments>
             # Same bits from every instruction set: no silent fused multiply-add.
             -ffp-contract=off)
   if(SUPERRAY_WERROR)

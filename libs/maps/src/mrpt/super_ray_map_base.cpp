@@ -4,8 +4,6 @@
 #include <mrpt/img/CImage.h>
 #include <mrpt/io/lazy_load_path.h>
 #include <mrpt/obs/CObservation.h>
-#include <mrpt/opengl/COctoMapVoxels.h>
-#include <mrpt/opengl/CSetOfObjects.h>
 #include <superray/maps/observation_rays.h>
 
 #include <filesystem>
@@ -274,12 +272,12 @@ void CSuperRayMapBase<Dim>::determineMatching2D(
 // --- views --------------------------------------------------------------------
 
 template <int Dim>
-std::shared_ptr<mrpt::opengl::COctoMapVoxels> CSuperRayMapBase<Dim>::visualization() const {
+std::shared_ptr<mrpt_viz::COctoMapVoxels> CSuperRayMapBase<Dim>::visualization() const {
     return view_->draw(*storage_, sensorModel(), renderingOptions);
 }
 
 template <int Dim>
-void CSuperRayMapBase<Dim>::getVisualizationInto(mrpt::opengl::CSetOfObjects& objects) const {
+void CSuperRayMapBase<Dim>::getVisualizationInto(mrpt_viz::CSetOfObjects& objects) const {
     if (genericMapParams.enableSaveAs3DObject) objects.insert(visualization());
 }
 
