@@ -13,9 +13,9 @@
 #include <stdexcept>
 
 #include "matching/likelihood.h"
-#include "views/map_export.h"
 #include "matching/map_matching.h"
 #include "queries/obstacle_search.h"
+#include "views/map_export.h"
 #include "views/voxel_view.h"
 
 namespace superray {
@@ -290,28 +290,8 @@ void CSuperRayMapBase<Dim>::exportScene(const std::string& path) const {
 }
 
 template <int Dim>
-void CSuperRayMapBase<Dim>::exportOctomap(const std::string& path) const {
-    if constexpr (Dim == 3) {
-        writeOctomap(*storage_, sensorModel(), path);
-    } else {
-        throw std::invalid_argument("cannot write " + path + ": " + shortClassName() +
-                                    " is a 2D map, an OctoMap file holds 3D maps");
-    }
-}
-
-template <int Dim>
 void CSuperRayMapBase<Dim>::exportPly(const std::string& path) const {
     writePly(*storage_, sensorModel(), path);
-}
-
-template <int Dim>
-void CSuperRayMapBase<Dim>::exportPicture(const std::string& path) const {
-    if constexpr (Dim == 2) {
-        writePicture(*storage_, sensorModel(), path);
-    } else {
-        throw std::invalid_argument("cannot write " + path + ": " + shortClassName() +
-                                    " is a 3D map, a picture shows 2D maps");
-    }
 }
 
 template class CSuperRayMapBase<2>;
