@@ -36,7 +36,7 @@ struct Arguments {
     bool fixedRobot = false, acceptTruncated = false, deskew = false;
 };
 
-ScanSources openAll(const Arguments& arguments, const std::string& sensorLabels) {
+ScanSources markAll(const Arguments& arguments, const std::string& sensorLabels) {
     ScanSourceOptions options = arguments.source;
     options.sensorLabel = sensorLabels;
     if (!options.posesFile.empty()) options.poses = PoseOrigin::file;
@@ -52,7 +52,7 @@ int build(const Arguments& arguments) {
     checkOutputPath(arguments.output, {".srmap"});
     const auto map = makeMap(arguments.map);
     const auto& info = dynamic_cast<const SuperRayMapInterface&>(*map);
-    const auto sources = openAll(arguments, info.options().insertion.sensorLabel);
+    const auto sources = markAll(arguments, info.options().insertion.sensorLabel);
 
     BuildReport report;
     {

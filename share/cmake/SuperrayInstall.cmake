@@ -9,14 +9,16 @@ configure_package_config_file(
 write_basic_package_version_file(
   ${CMAKE_CURRENT_BINARY_DIR}/superray-config-version.cmake
   COMPATIBILITY SameMinorVersion)
-install(EXPORT superray-targets NAMESPACE superray:: DESTINATION ${superray_cmake_dir})
+install(EXPORT superray-targets NAMESPACE superray:: DESTINATION ${superray_cmake_dir}
+        COMPONENT dev)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/superray-config.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/superray-config-version.cmake
-        DESTINATION ${superray_cmake_dir})
+        DESTINATION ${superray_cmake_dir} COMPONENT dev)
 install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/share/config_files/
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/superray/config_files)
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/superray/config_files
+        COMPONENT runtime)
 install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/share/examples/
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/superray/examples)
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/superray/examples COMPONENT doc)
 
 # Installed anywhere, the programs find the library beside them.
 file(RELATIVE_PATH superray_bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})

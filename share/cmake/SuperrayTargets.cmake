@@ -11,8 +11,6 @@ function(superray_target_settings target)
             -Woverloaded-virtual
             # Part of clang's -Wconversion, not of GCC's.
             -Wno-sign-conversion
-            # What macros of GoogleTest do, and every compiler knows.
-            $<$<CXX_COMPILER_ID:Clang,AppleClang>:-Wno-gnu-zero-variadic-macro-arguments>
             # Same bits from every instruction set: no silent fused multiply-add.
             -ffp-contract=off)
   if(SUPERRAY_WERROR)
@@ -36,7 +34,7 @@ function(superray_add_library name)
               PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   superray_target_settings(${target})
   install(TARGETS ${target} EXPORT superray-targets
-          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
-          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
+  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 endfunction()

@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that building, testing and the demo need, and
 # only those that are missing. Does nothing, and needs no network and no rights,
-# when all are there.
+# when all are there: install_deps.sh [--packaging]
+#   --packaging  also what building packages needs
 set -euo pipefail
 
 packages=(
     g++ cmake ninja-build
-    libeigen3-dev libmrpt-dev liboctomap-dev libcli11-dev nlohmann-json3-dev zlib1g-dev
+    libeigen3-dev libmrpt-dev liboctomap-dev libcli11-dev nlohmann-json3-dev
+    zlib1g-dev libzstd-dev # recordings are compressed
     libtbb-dev            # what GCC's parallel algorithms run in
     libgtest-dev libbenchmark-dev
     gnuplot-nox           # plots of superray-bench paper
@@ -14,6 +16,7 @@ packages=(
     python3               # system tests
     xvfb xauth xdotool imagemagick libgl1-mesa-dri # system tests with windows
 )
+[[ ${1:-} != --packaging ]] || packages+=(help2man file dpkg-dev)
 
 missing=()
 for package in "${packages[@]}"; do

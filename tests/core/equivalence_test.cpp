@@ -215,8 +215,8 @@ TYPED_TEST(Equivalence, LongRaysInThreads) {
         RayBundle<Dim> scan(g, test::uniformPoint<Dim>(random, 0.5));
         for (int i = 0; i < 1200; ++i) {
             Point<Dim> end = test::uniformPoint<Dim>(random, 15);
-            if (i % 50 == 0) end[i % Dim] = scan.commonOrigin()[i % Dim];  // kind unsure
-            scan.add(end, i % 17 == 0 ? RayEnd::open : RayEnd::hit);
+            if (i % 50 == 0) end[i % Dim] = scan.commonOrigin()[i % Dim];  // kind uncertain
+            scan.add(end, i % 17 == 0 ? RayEnd::noReturn : RayEnd::hit);
         }
         rays += scan.size();
         reference.insert(scan);
@@ -241,7 +241,7 @@ TYPED_TEST(Equivalence, DenseScansInThreads) {
         for (int i = 0; i < kRays; ++i) {
             Point<Dim> end = test::uniformPoint<Dim>(random, 1.5);
             end[0] = 3 + end[0] / 3;
-            scan.add(end, i % 17 == 0 ? RayEnd::open : RayEnd::hit);
+            scan.add(end, i % 17 == 0 ? RayEnd::noReturn : RayEnd::hit);
         }
         ASSERT_EQ(scan.size(), std::size_t{kRays});
         reference.insert(scan);

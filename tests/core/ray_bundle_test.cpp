@@ -34,14 +34,14 @@ TEST(RayBundle, FarHitsAreCutAndOpen) {
     rays.add({1, 4});
     rays.add({1, 11});
     rays.add({1, 1e6});  // outside the addressable range, but not after the cut
-    rays.add({3, 1}, RayEnd::open);
+    rays.add({3, 1}, RayEnd::noReturn);
     ASSERT_EQ(rays.size(), 4u);
     EXPECT_EQ(rays.kind(0), RayEnd::hit);
-    EXPECT_EQ(rays.kind(1), RayEnd::open);
+    EXPECT_EQ(rays.kind(1), RayEnd::noReturn);
     EXPECT_NEAR((rays.end(1) - Point<2>(1, 6)).norm(), 0, 1e-12);
-    EXPECT_EQ(rays.kind(2), RayEnd::open);
+    EXPECT_EQ(rays.kind(2), RayEnd::noReturn);
     EXPECT_NEAR((rays.end(2) - Point<2>(1, 6)).norm(), 0, 1e-9);
-    EXPECT_EQ(rays.kind(3), RayEnd::open);
+    EXPECT_EQ(rays.kind(3), RayEnd::noReturn);
     EXPECT_EQ(rays.skipped().total(), 0u);
 }
 
@@ -53,7 +53,7 @@ TEST(RayBundle, OriginsPerRay) {
     rays.add({0.5, 0.5}, {2, 0}, RayEnd::hit);
     rays.add({kNan, 0.5}, {2, 0}, RayEnd::hit);
     rays.add({0.7, 0.5}, {kNan, 0}, RayEnd::hit);
-    rays.add({0.6, 0.5}, {3, 0}, RayEnd::open);
+    rays.add({0.6, 0.5}, {3, 0}, RayEnd::noReturn);
     ASSERT_EQ(rays.size(), 3u);
     EXPECT_FALSE(rays.hasCommonOrigin());
     EXPECT_EQ(rays.origin(0), Point<2>(0, 0));
@@ -146,7 +146,7 @@ TEST(RayBundle, CoordinatesAreInSinglePrecisionAsLongAsItHoldsThem) {
     for (std::size_t i = 0; i < rays.size(); ++i) copy.place(i, rays, i);
     EXPECT_TRUE(copy.singlePrecision());
 
-    rays.add({0.7, 0, 0}, RayEnd::open);  // not a float
+    rays.add({0.7, 0, 0}, RayEnd::noReturn);  // not a float
     EXPECT_FALSE(rays.singlePrecision());
     rays.addReturns(floats, 1);
     rays.addReturns(doubles, 1);
@@ -156,7 +156,7 @@ TEST(RayBundle, CoordinatesAreInSinglePrecisionAsLongAsItHoldsThem) {
     for (std::size_t i = 0; i < 6; ++i) {
         EXPECT_EQ(rays.end(i).x(), x[i]);
         EXPECT_EQ(rays.ends<double>(2)[i], z[i]);
-        EXPECT_EQ(rays.kind(i), i == 3 ? RayEnd::open : RayEnd::hit);
+        EXPECT_EQ(rays.kind(i), i == 3 ? RayEnd::noReturn : RayEnd::hit);
     }
     ASSERT_EQ(copy.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(copy.end(i), rays.end(i));
@@ -234,7 +234,7 @@ TEST(RayBundle, CopiesInAnotherOrder) {
     const CellGeometry<3> g(0.1), other(0.2);
     RayBundle<3> scan(g, Point<3>(1, 2, 3));
     for (int i = 0; i < 100; ++i)
-        scan.add(Point<3>(i, -i, 0.5 * i), i % 3 == 0 ? RayEnd::open : RayEnd::hit);
+        scan.add(Point<3>(i, -i, 0.5 * i), i % 3 == 0 ? RayEnd::noReturn : RayEnd::hit);
     RayBundle<3> copy(other, Point<3>::Zero());
     copy.add(Point<3>(9, 9, 9));
     copy.restartLike(scan);

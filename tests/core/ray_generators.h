@@ -3,6 +3,7 @@
 
 #include <superray/core/ray_bundle.h>
 
+#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -10,11 +11,17 @@ namespace superray::test {
 
 using Random = std::mt19937_64;
 
+// The distributions of the standard library differ from one to the next.
+
+/// [from, to), in steps of 2^-53 of the length.
 inline double uniform(Random& random, double from, double to) {
-    return std::uniform_real_distribution<double>(from, to)(random);
+    constexpr double kStep = 1.0 / (std::uint64_t{1} << 53);
+    return from + (to - from) * (static_cast<double>(random() >> 11) * kStep);
 }
+/// From `from` to `to`, both included.
 inline int integer(Random& random, int from, int to) {
-    return std::uniform_int_distribution<int>(from, to)(random);
+    const auto choices = static_cast<std::uint64_t>(to - from) + 1;
+    return from + static_cast<int>(random() % choices);
 }
 
 template <int Dim>
@@ -63,9 +70,10 @@ RayBundle<Dim> makeScan(Scene scene, Random& random, const CellGeometry<Dim>& g,
                 end = uniformPoint<Dim>(random, 40 * r);
                 break;
             case Scene::clustered:
+                // Two statements: compilers evaluate operands in either order.
                 end = centers[static_cast<std::size_t>(
-                          integer(random, 0, static_cast<int>(centers.size()) - 1))] +
-                      uniformPoint<Dim>(random, 0.5 * r);
+                    integer(random, 0, static_cast<int>(centers.size()) - 1))];
+                end += uniformPoint<Dim>(random, 0.5 * r);
                 break;
             case Scene::gridAligned: {
                 end = snapped(uniformPoint<Dim>(random, 20 * r));
@@ -112,7 +120,7 @@ RayBundle<Dim> makeScan(Scene scene, Random& random, const CellGeometry<Dim>& g,
                 end[wallAxis] = origin[wallAxis] + wallAt + uniform(random, 0, 0.1 * r);
                 break;
         }
-        rays.add(end, integer(random, 0, 19) == 0 ? RayEnd::open : RayEnd::hit);
+        rays.add(end, integer(random, 0, 19) == 0 ? RayEnd::noReturn : RayEnd::hit);
     }
     return rays;
 }

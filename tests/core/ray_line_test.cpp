@@ -36,14 +36,14 @@ TEST(RayLine, CellsByHandIn2D) {
     // Axis-aligned, downwards, across zero.
     EXPECT_EQ(freeCells<2>(g, {0.5, 1.5}, {0.5, -1.5}),
               (std::vector<Cell<2>>{{0, 1}, {0, 0}, {0, -1}}));
-    // An exact diagonal meets corners: x is dominant, so y steps first.
+    // An exact diagonal meets corners: x is major, so y steps first.
     EXPECT_EQ(freeCells<2>(g, {0.5, 0.5}, {2.5, 2.5}),
               (std::vector<Cell<2>>{{0, 0}, {0, 1}, {1, 1}, {1, 2}}));
 }
 
 TEST(RayLine, CellsByHandIn3D) {
     const CellGeometry<3> g(1.0);
-    // Corner tie of all three axes: z, then y, then the dominant x.
+    // Corner tie of all three axes: z, then y, then the major x.
     EXPECT_EQ(freeCells<3>(g, {0.5, 0.5, 0.5}, {1.5, 1.5, 1.5}),
               (std::vector<Cell<3>>{{0, 0, 0}, {0, 0, 1}, {0, 1, 1}}));
     EXPECT_EQ(freeCells<3>(g, {0.5, 0.5, 0.5}, {-0.5, 0.5, 0.5}),
@@ -116,7 +116,7 @@ TYPED_TEST(RayLineWalk, IsConnectedExactAndStartsAnywhere) {
 
                 // The reference walk, one step at a time, sees the same cells.
                 RayBundle<Dim> one(g, o);
-                one.add(e, RayEnd::open);
+                one.add(e, RayEnd::noReturn);
                 const CellCountMap<Dim> reference = countCells(one);
                 ASSERT_EQ(reference.size(), cells.size());
                 for (const Cell<Dim>& c : cells) ASSERT_EQ(reference.count(c), 1u);

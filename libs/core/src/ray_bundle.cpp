@@ -1,15 +1,12 @@
-#include <superray/core/parallel.h>
 #include <superray/core/ray_bundle.h>
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "memory/scratch_array.h"
-#include "kernels/walk_kernel.h"
 
 namespace superray {
 
@@ -97,76 +94,6 @@ void RayBundle<Dim>::restartLike(const RayBundle& other) {
     kinds_.resize(other.size());
 }
 
-/// Adds returns as they are, if they all are good.
-/// \pre room is reserved; coordinates are kept as Scalar
-template <int Dim>
-template <typename Scalar>
-bool RayBundle<Dim>::addGoodReturns(const Scalar* ends, std::size_t count, unsigned threads) {
-    static const CopyPoints<Dim, Scalar> copyPoints = bestKernels<Dim>().copy(Scalar{});
-    constexpr std::size_t kPerShare = 1 << 14;  // repays a thread
-    if (!unlimited_ || !origins_.empty()) return false;
-    PerAxis<Scalar>& to = coordinates<Scalar>();
-    const std::size_t shares = shareCountFor(count, kPerShare, threads);
-    std::mutex mutex;  // of these:
-    bool good = true;
-    Point<Dim> lowest = lowest_, highest = highest_;
-    inParallel(shares, [&](std::size_t s) {
-        const std::size_t first = shareBegin(count, s, shares);
-        const std::size_t last = shareBegin(count, s + 1, shares);
-        PointBatch<Dim, Scalar> batch;
-        for (int a = 0; a < Dim; ++a) batch.coordinates[a] = to[a].end() + first;
-        batch.lowest = lowest_;
-        batch.highest = highest_;
-        const bool allGood =
-            copyPoints(ends + first * Dim, last - first, geometry_.scaled(1.0), batch);
-        const std::lock_guard<std::mutex> lock(mutex);
-        good &= allGood;
-        lowest = lowest.cwiseMin(batch.lowest);
-        highest = highest.cwiseMax(batch.highest);
-    });
-    if (!good) return false;
-    for (auto& c : to) c.grow(count);
-    kinds_.resize(kinds_.size() + count, RayEnd::hit);
-    lowest_ = lowest;
-    highest_ = highest;
-    return true;
-}
-
-/// Where all points of a batch are good, which is the rule, they are copied as they are;
-/// else they are taken one by one.
-template <int Dim>
-template <typename Scalar>
-void RayBundle<Dim>::addPoints(const Scalar* ends, std::size_t count, unsigned threads) {
-    reserve(size() + count);
-    if (threads > 1 && addGoodReturns(ends, count, threads)) return;
-    constexpr std::size_t kBatch = 512;
-    for (std::size_t first = 0; first < count; first += kBatch) {
-        const std::size_t n = std::min(kBatch, count - first);
-        const Scalar* const batch = ends + first * Dim;
-        // Cutting to range may make numbers that single precision does not hold.
-        const bool asKept = single_ == std::is_same_v<Scalar, float>;
-        if (asKept && addGoodReturns(batch, n, 1)) continue;
-        for (std::size_t i = 0; i < n; ++i) {
-            Point<Dim> p;
-            for (int a = 0; a < Dim; ++a) p[a] = static_cast<double>(batch[i * Dim + a]);
-            add(p);
-        }
-    }
-}
-
-template <int Dim>
-void RayBundle<Dim>::addReturns(const float* ends, std::size_t count, unsigned threads) {
-    if (single_) return addPoints(ends, count, threads);
-    const std::vector<double> doubles(ends, ends + count * Dim);
-    addPoints(doubles.data(), count, threads);
-}
-
-template <int Dim>
-void RayBundle<Dim>::addReturns(const double* ends, std::size_t count, unsigned threads) {
-    if (single_) useDoubles();
-    addPoints(ends, count, threads);
-}
-
 template <int Dim>
 void RayBundle<Dim>::add(const Point<Dim>& origin, const Point<Dim>& end, RayEnd kind) {
     if (!geometry_.contains(origin)) {
@@ -195,7 +122,7 @@ void RayBundle<Dim>::addRay(const Point<Dim>& origin, const Point<Dim>& end, Ray
     }
     if (squared > limits_.maximum * limits_.maximum) {
         cut = origin + (end - origin) * (limits_.maximum / std::sqrt(squared));
-        kind = RayEnd::open;
+        kind = RayEnd::noReturn;
     }
     if (!geometry_.contains(cut)) {
         ++skipped_.outOfRange;

@@ -13,7 +13,7 @@ namespace {
 template <int Dim>
 int nextAxis(const RayLine<Dim>& line, const Cell<Dim>& cell) {
     __extension__ using Wide = __int128;
-    // Order of precedence in ties: higher axes first, the dominant one last.
+    // Order of precedence in ties: higher axes first, the major one last.
     int best = -1;
     Wide bestDistance = 0, bestSlope = 1;
     const auto consider = [&](int a) {
@@ -27,8 +27,8 @@ int nextAxis(const RayLine<Dim>& line, const Cell<Dim>& cell) {
         }
     };
     for (int a = Dim - 1; a >= 0; --a)
-        if (a != line.dominant) consider(a);
-    consider(line.dominant);
+        if (a != line.major) consider(a);
+    consider(line.major);
     return best;
 }
 

@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "directions/scan_extent.h"
+#include "directions/scan_bounds.h"
 #include "scan_walk.h"
 
 namespace superray {
@@ -107,7 +107,7 @@ const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& ray
     ScanStatistics& statistics = impl.statistics = {};
     statistics.rays = rays.size();
     if (rays.empty()) return impl.empty;
-    const ScanExtent<Dim> extent(rays);
+    const ScanBounds<Dim> bounds(rays);
     const Method method = options.method;
     const bool grouping = method == Method::superRays || method == Method::full;
 
@@ -115,10 +115,10 @@ const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& ray
     const std::vector<SuperRay>* superRays = nullptr;
     if (grouping) superRays = &impl.grouper.group(rays, options.superRayThreshold);
     statistics.superRays = grouping ? superRays->size() : rays.size();
-    impl.walk.begin(rays, extent, options.threads);
+    impl.walk.begin(rays, bounds, options.threads);
     statistics.superRaySeconds = watch.lap();
 
-    const bool horizon = method == Method::automatic && rays.hasCommonOrigin();
+    const bool skipping = method == Method::automatic && rays.hasCommonOrigin();
     const bool culling = method == Method::culling || method == Method::full;
     impl.region.clear();
     if (culling && map != nullptr) {
@@ -127,20 +127,20 @@ const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& ray
             block = map->saturation(key, model.min());
             return block.saturatedFree.any() ? &block.saturatedFree : nullptr;
         };
-        impl.region.build(rays.geometry().cellOf(rays.commonOrigin()), extent.lowest,
-                          extent.highest, saturated);
+        impl.region.build(rays.geometry().cellOf(rays.commonOrigin()), bounds.lowest,
+                          bounds.highest, saturated);
     }
     statistics.cullingCells = impl.region.cellCount();
     statistics.cullingSeconds = watch.lap();
 
     if (grouping) {
         impl.walk.walkSuperRays(*superRays, impl.region);
-    } else if (horizon) {
-        impl.walk.walkFromHorizon(map, model, options.policy);
+    } else if (skipping) {
+        impl.walk.walkSkipping(map, model, options.policy);
     } else {
         impl.walk.walkEach(impl.region);
     }
-    const WalkState<Dim>& total = impl.walk.finish();
+    const ScanCounts<Dim>& total = impl.walk.finish();
     statistics.traversalSeconds = watch.lap();
     statistics.raysCulled = impl.walk.culled();
     statistics.traversedCells = total.traversed;

@@ -3,15 +3,15 @@
 // saturating sums make the total independent of how rays were shared out.
 
 #include <superray/core/culling_region.h>
-#include <superray/core/parallel.h>
+#include <superray/core/detail/parallel.h>
 #include <superray/core/super_rays.h>
 
-#include "threads/attempts.h"
+#include "directions/scan_bounds.h"
 #include "paper/end_cells.h"
-#include "skipping/horizon_walk.h"
 #include "paper/ray_walker.h"
-#include "directions/scan_extent.h"
-#include "threads/share_balance.h"
+#include "skipping/skipping_walk.h"
+#include "threads/backoff.h"
+#include "threads/load_balancer.h"
 
 #include <array>
 #include <optional>
@@ -25,7 +25,7 @@ class ScanWalk {
  public:
     /// Begins a scan: shares out the rays.
     /// \param rays must live until finish()
-    void begin(const RayBundle<Dim>& rays, const ScanExtent<Dim>& extent, unsigned threads);
+    void begin(const RayBundle<Dim>& rays, const ScanBounds<Dim>& bounds, unsigned threads);
 
     // One of these walks the rays:
 
@@ -37,13 +37,13 @@ class ScanWalk {
     /// region encloses.
     void walkEach(const CullingRegion<Dim>& region);
 
-    /// Every ray, from where it has something to tell; see HorizonWalk.
+    /// Every ray, from where it has something to tell; see SkippingWalk.
     /// \pre the rays have the common origin
-    void walkFromHorizon(const SaturationSource<Dim>* map, const SensorModel& model,
-                         UpdatePolicy policy);
+    void walkSkipping(const SaturationSource<Dim>* map, const SensorModel& model,
+                      UpdatePolicy policy);
 
     /// Adds all shares into one. Valid until the next begin().
-    const WalkState<Dim>& finish();
+    const ScanCounts<Dim>& finish();
 
     std::uint64_t culled() const;
 
@@ -51,35 +51,35 @@ class ScanWalk {
     void reserve(std::size_t bytes, unsigned threads);
 
  private:
-    /// Kinds of rays, and lone rays.
-    static constexpr std::size_t kSortedKinds = DirectionTiles<Dim>::kKinds + 1;
+    /// Sectors of rays, and unclassified rays.
+    static constexpr std::size_t kSortedSectors = DirectionBins<Dim>::kSectors + 1;
 
     /// One thread's part of a scan.
-    struct Share {
-        WalkState<Dim> state;
+    struct Worker {
+        ScanCounts<Dim> counts;
         EndCells<Dim> ends;
-        HorizonWalk<Dim> horizon;
-        std::vector<std::uint8_t> kinds;               // of its rays, when they are sorted
-        std::array<std::size_t, kSortedKinds> ofKind;  // how many; where the next one goes
+        SkippingWalk<Dim> walk;
+        std::vector<std::uint8_t> sectors;                 // of its rays, when they are sorted
+        std::array<std::size_t, kSortedSectors> ofSector;  // how many; where the next one goes
         std::uint64_t culled = 0;
     };
 
-    std::size_t firstRay(std::size_t share, std::size_t rays) const {
-        return shareBegin(rays, share, shareCount_);
+    std::size_t firstRay(std::size_t chunk, std::size_t rays) const {
+        return chunkBegin(rays, chunk, chunkCount_);
     }
     bool sortingRepays() const;
     void learn();
     void countEndCells();
     void sortByDirection();
-    void findKinds(Share& share, std::size_t first, std::size_t last);
+    void findSectors(Worker& worker, std::size_t first, std::size_t last);
 
     const RayBundle<Dim>* rays_ = nullptr;
     BlockBox<Dim> blocks_;
     std::optional<RayBundle<Dim>> sorted_;  // the same rays, for several threads
-    std::vector<Share> shares_{1};
-    std::size_t shareCount_ = 1;
-    Attempts sampleRepays_;
-    ShareBalance balance_;  // of walkFromHorizon()
+    std::vector<Worker> workers_{1};
+    std::size_t chunkCount_ = 1;
+    Backoff sampleRepays_;
+    LoadBalancer balance_;  // of walkSkipping()
 };
 
 }  // namespace superray

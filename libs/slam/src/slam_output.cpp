@@ -3,6 +3,7 @@
 #include <mrpt/opengl/stock_objects.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_output.h>
+#include <superray/maps/gzip_output.h>
 #include <superray/maps/mrpt_compat.h>
 #include <superray/maps/super_ray_map_interface.h>
 #include <superray/slam/slam_output.h>
@@ -40,7 +41,7 @@ bool writeScene(const RangeSlam& slam, const std::string& path) {
     slam.map().getVisualizationInto(*map);
     scene.insert(map);
     scene.insert(makeTrajectoryView(slam.trajectory()));
-    return scene.saveToFile(path);
+    return writeGzip(scene, path);
 }
 
 }  // namespace
@@ -55,7 +56,7 @@ void writeSlamOutput(const RangeSlam& slam, const std::string& path) {
     if (extension == ".srmap")
         return dynamic_cast<const SuperRayMapInterface&>(slam.map()).saveToFile(path);
     replaceFile(path, [&](const std::string& file) {
-        return extension == ".simplemap" ? slam.keyFrames().saveToFile(file)
+        return extension == ".simplemap" ? writeGzip(slam.keyFrames(), file)
                                          : writeScene(slam, file);
     });
 }

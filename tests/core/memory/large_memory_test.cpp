@@ -1,6 +1,6 @@
 // Memory of large arrays: it keeps what it holds, and takes no more than is used.
 
-#include <superray/core/large_memory.h>
+#include <superray/core/detail/large_memory.h>
 
 #include "memory/huge_page_supply.h"
 

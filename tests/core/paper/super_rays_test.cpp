@@ -108,7 +108,7 @@ TYPED_TEST(SuperRays, OpenRaysAndHitsDoNotMix) {
     RayBundle<Dim> scan(g, Point<Dim>::Constant(0.3));
     Point<Dim> end = Point<Dim>::Constant(0.4);
     end[0] = 9.3;
-    for (int i = 0; i < 40; ++i) scan.add(end, i % 4 == 0 ? RayEnd::open : RayEnd::hit);
+    for (int i = 0; i < 40; ++i) scan.add(end, i % 4 == 0 ? RayEnd::noReturn : RayEnd::hit);
     SuperRayGrouper<Dim> grouper;
     const auto& supers = grouper.group(scan, 2);
     ASSERT_EQ(supers.size(), 2u);

@@ -39,16 +39,16 @@ void forEachNeighbour(int i, const Visit& visit) {
 template <int Dim>
 BlockMask<Dim> searched(const BlockMask<Dim>& from, const BlockMask<Dim>& within) {
     BlockMask<Dim> found = from;
-    std::vector<int> open;
+    std::vector<int> queue;
     for (int i = 0; i < kBlockCells<Dim>; ++i)
-        if (from.test(i)) open.push_back(i);
-    while (!open.empty()) {
-        const int i = open.back();
-        open.pop_back();
+        if (from.test(i)) queue.push_back(i);
+    while (!queue.empty()) {
+        const int i = queue.back();
+        queue.pop_back();
         forEachNeighbour<Dim>(i, [&](int n) {
             if (!within.test(n) || found.test(n)) return;
             found.set(n);
-            open.push_back(n);
+            queue.push_back(n);
         });
     }
     return found;

@@ -1,6 +1,6 @@
 // Work shared out to threads.
 
-#include <superray/core/parallel.h>
+#include <superray/core/detail/parallel.h>
 #include <superray/core/processors.h>
 
 #include <gtest/gtest.h>
@@ -14,17 +14,17 @@
 namespace superray {
 namespace {
 
-TEST(InParallel, DoesEachShareOnce) {
-    for (const std::size_t shares : {1u, 2u, 5u, 1024u}) {
-        std::vector<std::atomic<int>> done(shares);
-        inParallel(shares, [&](std::size_t share) { ++done[share]; });
+TEST(InParallel, DoesEachChunkOnce) {
+    for (const std::size_t chunks : {1u, 2u, 5u, 1024u}) {
+        std::vector<std::atomic<int>> done(chunks);
+        inParallel(chunks, [&](std::size_t chunk) { ++done[chunk]; });
         for (const auto& n : done) ASSERT_EQ(n, 1);
     }
 }
 
-TEST(InParallel, TwoSharesCanMeet) {
+TEST(InParallel, TwoChunksCanMeet) {
     if (availableProcessors() < 2) GTEST_SKIP() << "one processor";
-    // A share that the pool has not begun in time is done afterwards: it may happen that
+    // A chunk that the pool has not begun in time is done afterwards: it may happen that
     // two do not meet, but not always.
     int met = 0;
     for (int attempt = 0; attempt < 100 && met == 0; ++attempt) {
@@ -40,17 +40,17 @@ TEST(InParallel, TwoSharesCanMeet) {
     EXPECT_GT(met, 0);
 }
 
-TEST(InParallel, AllSharesEndBeforeTheFirstFailureIsThrown) {
+TEST(InParallel, AllChunkEndBeforeTheFirstFailureIsThrown) {
     std::atomic<int> ended{0};
-    const auto work = [&](std::size_t share) {
+    const auto work = [&](std::size_t chunk) {
         ++ended;
-        if (share >= 2) throw std::runtime_error("share " + std::to_string(share));
+        if (chunk >= 2) throw std::runtime_error("chunk " + std::to_string(chunk));
     };
     try {
         inParallel(8, work);
         FAIL() << "nothing was thrown";
     } catch (const std::runtime_error& e) {
-        EXPECT_STREQ(e.what(), "share 2");
+        EXPECT_STREQ(e.what(), "chunk 2");
     }
     EXPECT_EQ(ended, 8);
     EXPECT_THROW(inParallel(1, [](std::size_t) { throw std::runtime_error("it"); }),
@@ -58,19 +58,19 @@ TEST(InParallel, AllSharesEndBeforeTheFirstFailureIsThrown) {
 }
 
 TEST(InParallel, SeveralThreadsMayCallIt) {
-    constexpr std::size_t kCallers = 4, kCalls = 200, kShares = 3;
+    constexpr std::size_t kCallers = 4, kCalls = 200, kChunks = 3;
     std::atomic<std::size_t> done{0};
     std::vector<std::thread> callers;
     for (std::size_t c = 0; c < kCallers; ++c)
         callers.emplace_back([&] {
             for (std::size_t i = 0; i < kCalls; ++i) {
                 std::atomic<std::size_t> mine{0};
-                inParallel(kShares, [&](std::size_t) { ++mine; });
-                done += mine == kShares ? kShares : 0;
+                inParallel(kChunks, [&](std::size_t) { ++mine; });
+                done += mine == kChunks ? kChunks : 0;
             }
         });
     for (std::thread& t : callers) t.join();
-    EXPECT_EQ(done, kCallers * kCalls * kShares);
+    EXPECT_EQ(done, kCallers * kCalls * kChunks);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <octomap/OcTree.h>
 #include <superray/eval/bench_engine.h>
 #include <superray/eval/input_error.h>
+#include <superray/maps/mrpt_compat.h>
 
 #include <set>
 
@@ -37,16 +38,25 @@ TEST(BenchEngines, areListedByName) {
         EXPECT_FALSE(engine.description.empty());
         EXPECT_EQ(&benchEngine(engine.name), &engine);
     }
-    for (const char* name : {"octomap", "octomap-rays", "mrpt-octomap", "mrpt-grid3d", "grid",
-                             "grid-perRay", "grid-superRays", "grid-culling", "grid-full",
-                             "grid-reference", "octree", "octree-perRay", "octree-superRays",
-                             "octree-culling", "octree-full", "octree-reference",
-                             "grid-copies", "octree-copies"})
+    for (const char* name :
+         {"octomap", "octomap-rays", "mrpt-octomap", "mrpt-grid3d", "grid", "grid-perRay",
+          "grid-superRays", "grid-culling", "grid-full", "grid-reference", "octree",
+          "octree-perRay", "octree-superRays", "octree-culling", "octree-full",
+          "octree-reference", "grid-copies", "octree-copies"})
         EXPECT_EQ(names.count(name), 1u) << name;
     const auto message = messageOf<InputError>([] { benchEngine("octo"); });
     EXPECT_NE(message.find("'octo'"), std::string::npos);
     EXPECT_NE(message.find("mrpt-grid3d"), std::string::npos);
     EXPECT_THROW(addBenchEngine(benchEngine("grid")), std::invalid_argument);
+}
+
+TEST(BenchEngines, voxelMapIsListedWhereMrptHasIt) {
+#if SUPERRAY_HAS_MRPT_VOXEL_MAP
+    EXPECT_EQ(benchEngine("mrpt-voxelmap").ownPolicy, "rayByRay");
+#else
+    const auto message = messageOf<InputError>([] { benchEngine("mrpt-voxelmap"); });
+    EXPECT_NE(message.find("needs MRPT >= 2.11"), std::string::npos) << message;
+#endif
 }
 
 /// The peers' maps are what one makes of the same points by hand.

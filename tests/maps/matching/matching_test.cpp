@@ -62,7 +62,7 @@ TEST(SurfaceStatistics, AreThoseOfThePointsInTheCells) {
     for (std::size_t part = 0; part < 3; ++part) {
         RayBundle<3> rays(geometry, Point<3>(0.1, 0.2, 5));
         for (std::size_t i = part; i < points.size(); i += 3) rays.add(points[i]);
-        rays.add(Point<3>(0.1, 0.2, 4), RayEnd::open);
+        rays.add(Point<3>(0.1, 0.2, 4), RayEnd::noReturn);
         statistics.add(rays);
     }
     std::map<Cell<3>, std::vector<Point<3>>> byCell;

@@ -6,6 +6,7 @@
 #include <mrpt/io/lazy_load_path.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/serialization/CArchive.h>
+#include <superray/core/reference_mapper.h>
 #include <superray/maps/CSuperRayGridMap2D.h>
 #include <superray/maps/CSuperRayGridMap3D.h>
 #include <superray/maps/CSuperRayOctoMap.h>

@@ -1,5 +1,5 @@
 #pragma once
-// Where a scan's blocks are: block index -> number, dense over the scan's
+// Where a scan's blocks are: block index -> id, dense over the scan's
 // extent, so that a look-up is a multiplication and a load.
 
 #include <superray/core/block.h>
@@ -47,9 +47,8 @@ class BlockDirectory {
         // Headroom, so that a growing extent does not allocate at every scan.
         capacity_ = volume < kKeptVolume ? 2 * volume : volume;
         // calloc: large areas come as untouched zero pages from the system.
-        numbers_.reset(
-            static_cast<std::uint32_t*>(std::calloc(capacity_, sizeof(std::uint32_t))));
-        if (!numbers_) {
+        ids_.reset(static_cast<std::uint32_t*>(std::calloc(capacity_, sizeof(std::uint32_t))));
+        if (!ids_) {
             capacity_ = 0;
             throw std::bad_alloc();
         }
@@ -57,8 +56,8 @@ class BlockDirectory {
 
     bool dense() const { return dense_; }
     const BlockBox<Dim>& box() const { return box_; }
-    /// Dense part: number(key) = data()[indexOf(key)].
-    const std::uint32_t* data() const { return numbers_.get(); }
+    /// Dense part: id(key) = data()[indexOf(key)].
+    const std::uint32_t* data() const { return ids_.get(); }
     std::int64_t stride(int axis) const { return stride_[axis]; }
     std::int64_t indexOf(const BlockKey<Dim>& k) const {
         std::int64_t i = 0;
@@ -66,16 +65,16 @@ class BlockDirectory {
         return i;
     }
 
-    /// Number of a block in the box; 0 if it has none.
-    std::uint32_t number(const BlockKey<Dim>& k) const {
-        if (dense_) return numbers_[indexOf(k)];
+    /// Id of a block in the box; 0 if it has none.
+    std::uint32_t id(const BlockKey<Dim>& k) const {
+        if (dense_) return ids_[indexOf(k)];
         const auto it = sparse_.find(k);
         return it == sparse_.end() ? 0 : it->second;
     }
-    void setNumber(const BlockKey<Dim>& k, std::uint32_t n) {
+    void setId(const BlockKey<Dim>& k, std::uint32_t n) {
         if (dense_) {
             const std::int64_t i = indexOf(k);
-            numbers_[i] = n;
+            ids_[i] = n;
             used_.push_back(i);
         } else {
             sparse_[k] = n;
@@ -89,10 +88,10 @@ class BlockDirectory {
 
     void clear() {
         if (capacity_ > kKeptVolume) {
-            numbers_.reset();
+            ids_.reset();
             capacity_ = 0;
         } else {
-            for (std::int64_t i : used_) numbers_[i] = 0;
+            for (std::int64_t i : used_) ids_[i] = 0;
         }
         used_.clear();
         sparse_.clear();
@@ -101,7 +100,7 @@ class BlockDirectory {
     BlockBox<Dim> box_;
     std::array<std::int64_t, 3> stride_{};
     std::uint64_t capacity_ = 0;
-    std::unique_ptr<std::uint32_t[], Free> numbers_;
+    std::unique_ptr<std::uint32_t[], Free> ids_;
     std::vector<std::int64_t> used_;
     std::unordered_map<BlockKey<Dim>, std::uint32_t, IndexHash> sparse_;
     bool dense_ = true;

@@ -1,7 +1,6 @@
 #pragma once
 // What saturates a cell, by sensor model and policy.
 
-#include <superray/core/scan_integrator.h>
 #include <superray/core/sensor_model.h>
 
 #include <cstdint>

@@ -7,10 +7,10 @@ namespace superray {
 
 using Ints = std::int32_t __attribute__((vector_size(32)));
 
-/// The m-th axis, ascending, that is not the dominant one.
-template <int dominant>
+/// The m-th axis, ascending, that is not the major one.
+template <int major>
 constexpr int minorAxis(int m) {
-    return m < dominant ? m : m + 1;
+    return m < major ? m : m + 1;
 }
 
 }  // namespace superray

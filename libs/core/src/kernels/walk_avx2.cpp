@@ -14,7 +14,7 @@
 
 #include "kernels/lane_types.h"
 //
-#include "kernels/open_spots.inc"
+#include "kernels/mark_sub_bins.inc"
 
 namespace superray {
 namespace {
@@ -122,33 +122,34 @@ SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, in
     return out + __builtin_popcount(static_cast<unsigned>(mask));
 }
 
-SUPERRAY_TARGET inline std::uint32_t openRow(Opening* open, const Extent* reach, Extent extent,
+SUPERRAY_TARGET inline std::uint32_t markRow(FirstUnsettled* unsettled,
+                                             const CellOffset* farthest, CellOffset offset,
                                              std::int32_t slice, std::uint32_t columns,
                                              std::uint32_t rows) {
-    const __m256i spots = spotsOfRow(columns, rows);
-    const __m256i before = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(open));
-    const __m256i after = joined(before, spots, slice);
+    const __m256i subBins = subBinsOfRow(columns, rows);
+    const __m256i before = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(unsettled));
+    const __m256i after = joined(before, subBins, slice);
     const __m256i keep = _mm256_or_si256(_mm256_cmpeq_epi32(after, before),
-                                         _mm256_cmpeq_epi32(spots, _mm256_setzero_si256()));
+                                         _mm256_cmpeq_epi32(subBins, _mm256_setzero_si256()));
     unsigned change =
         ~static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(keep))) & 0xFF;
     if (change == 0) return 0;
-    const __m256i all = _mm256_set1_epi64x(static_cast<std::int64_t>(Extent::kAll));
-    const __m256i far = _mm256_set1_epi64x(static_cast<std::int64_t>(extent.packed()));
+    const __m256i all = _mm256_set1_epi64x(static_cast<std::int64_t>(CellOffset::kAll));
+    const __m256i far = _mm256_set1_epi64x(static_cast<std::int64_t>(offset.packed()));
     const auto reached = [&](int half) SUPERRAY_TARGET {
         const __m256i room = _mm256_sub_epi64(
-            _mm256_or_si256(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(reach) + half),
-                            all),
+            _mm256_or_si256(
+                _mm256_loadu_si256(reinterpret_cast<const __m256i*>(farthest) + half), all),
             far);
         return static_cast<unsigned>(_mm256_movemask_pd(
             _mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(room, all), all))));
     };
     change &= reached(0) | reached(1) << 4;
     if (change == 0) return 0;
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(open),
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(unsettled),
                         select(maskOf(static_cast<int>(change)), after, before));
     const auto full =
-        static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(allSpots(after))));
+        static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(allSubBins(after))));
     return static_cast<std::uint32_t>(__builtin_popcount(change & full));
 }
 SUPERRAY_TARGET inline __m256i gatherInts(const int* base, __m256i indices) {
@@ -215,7 +216,7 @@ SUPERRAY_TARGET inline void store(Long8 a, std::int64_t* to) {
 #include "kernels/walk_ends.inc"
 //
 #define SUPERRAY_ROUNDS
-#include "kernels/find_directions.inc"
+#include "kernels/classify_rays.inc"
 //
 #include "kernels/choose_rays.inc"
 //
@@ -224,32 +225,32 @@ SUPERRAY_TARGET inline void store(Long8 a, std::int64_t* to) {
 //
 #include "kernels/at_least.inc"
 //
-#include "kernels/note_open.inc"
+#include "kernels/mark_boundary.inc"
 
 namespace superray {
 namespace {
 
 template <int Dim>
-SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const RayEnd* ends,
+SUPERRAY_TARGET std::size_t findRuns(const ClassifiedBatch<Dim>& directions, const RayEnd* ends,
                                      std::size_t count, std::uint32_t* starts) {
-    const std::uint32_t* const spots = directions.spot;
-    const Extent* const extents = directions.extent.data();
-    const __m256i lone = _mm256_set1_epi32(static_cast<int>(directions.lone));
+    const std::uint32_t* const subBins = directions.subBin;
+    const CellOffset* const endOffsets = directions.endOffset.data();
+    const __m256i unclassified = _mm256_set1_epi32(static_cast<int>(directions.unclassified));
     const auto load = [](const auto* from) SUPERRAY_TARGET {
         return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
     };
-    const auto tilesFrom = [&](std::size_t at) SUPERRAY_TARGET {
-        return _mm256_srli_epi32(load(spots + at), DirectionTiles<Dim>::kSpotBits);
+    const auto binsFrom = [&](std::size_t at) SUPERRAY_TARGET {
+        return _mm256_srli_epi32(load(subBins + at), DirectionBins<Dim>::kSubBinBits);
     };
     const auto equal64 = [&](std::size_t at) SUPERRAY_TARGET {
         return static_cast<unsigned>(_mm256_movemask_pd(_mm256_castsi256_pd(
-            _mm256_cmpeq_epi64(load(extents + at), load(extents + at - 1)))));
+            _mm256_cmpeq_epi64(load(endOffsets + at), load(endOffsets + at - 1)))));
     };
     __m256i ray = _mm256_setr_epi32(1, 2, 3, 4, 5, 6, 7, 8);
     starts[0] = 0;
     std::uint32_t* out = starts + 1;
     for (std::size_t i = 1; i < count; i += 8) {
-        const __m256i tile = tilesFrom(i);
+        const __m256i bin = binsFrom(i);
         const std::size_t n = std::min<std::size_t>(8, count - i);
         const auto endsFrom = [&](std::size_t at) SUPERRAY_TARGET {
             // There is nothing beyond the last ray that could be loaded. With a constant,
@@ -262,10 +263,10 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
             return _mm_cvtsi64_si128(static_cast<long long>(some));
         };
         const __m128i sameEnd = _mm_cmpeq_epi8(endsFrom(i), endsFrom(i - 1));
-        const __m256i sameTile = _mm256_andnot_si256(
-            _mm256_cmpeq_epi32(tile, lone), _mm256_cmpeq_epi32(tile, tilesFrom(i - 1)));
+        const __m256i sameBin = _mm256_andnot_si256(_mm256_cmpeq_epi32(bin, unclassified),
+                                                    _mm256_cmpeq_epi32(bin, binsFrom(i - 1)));
         const unsigned same =
-            static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(sameTile))) &
+            static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(sameBin))) &
             (equal64(i) | equal64(i + 4) << 4) &
             static_cast<unsigned>(_mm_movemask_epi8(sameEnd));
         out = simd::compress(out, ray, static_cast<int>(~same & ((1u << n) - 1)));
@@ -278,9 +279,9 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
 
 template <int Dim>
 WalkKernels<Dim> avx2Kernels() {
-    return {walkLine<Dim>,          walkRays<Dim>, walkEnds<Dim>,
-            findDirections<Dim>,    findRuns<Dim>, chooseRays,
-            atLeast<Dim>,           noteOpen<Dim>, copyPoints<Dim, float>,
+    return {walkLine<Dim>,          walkRays<Dim>,     walkEnds<Dim>,
+            classifyRays<Dim>,      findRuns<Dim>,     chooseRays,
+            atLeast<Dim>,           markBoundary<Dim>, copyPoints<Dim, float>,
             copyPoints<Dim, double>};
 }
 

@@ -19,7 +19,7 @@
 
 #include "kernels/lane_types.h"
 //
-#include "kernels/open_spots.inc"
+#include "kernels/mark_sub_bins.inc"
 
 namespace superray {
 namespace {
@@ -106,23 +106,24 @@ SUPERRAY_TARGET inline std::uint32_t* compress(std::uint32_t* out, __m256i v, in
     return out + __builtin_popcount(static_cast<unsigned>(mask));
 }
 
-SUPERRAY_TARGET inline std::uint32_t openRow(Opening* open, const Extent* reach, Extent extent,
+SUPERRAY_TARGET inline std::uint32_t markRow(FirstUnsettled* unsettled,
+                                             const CellOffset* farthest, CellOffset offset,
                                              std::int32_t slice, std::uint32_t columns,
                                              std::uint32_t rows) {
-    const __m256i spots = spotsOfRow(columns, rows);
-    const __m256i before = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(open));
-    const __m256i after = joined(before, spots, slice);
+    const __m256i subBins = subBinsOfRow(columns, rows);
+    const __m256i before = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(unsettled));
+    const __m256i after = joined(before, subBins, slice);
     __mmask8 change =
-        _mm256_mask_cmpneq_epi32_mask(_mm256_test_epi32_mask(spots, spots), after, before);
+        _mm256_mask_cmpneq_epi32_mask(_mm256_test_epi32_mask(subBins, subBins), after, before);
     if (change == 0) return 0;
-    const __m512i all = _mm512_set1_epi64(static_cast<std::int64_t>(Extent::kAll));
+    const __m512i all = _mm512_set1_epi64(static_cast<std::int64_t>(CellOffset::kAll));
     const __m512i room =
-        _mm512_sub_epi64(_mm512_or_si512(_mm512_loadu_si512(reach), all),
-                         _mm512_set1_epi64(static_cast<std::int64_t>(extent.packed())));
+        _mm512_sub_epi64(_mm512_or_si512(_mm512_loadu_si512(farthest), all),
+                         _mm512_set1_epi64(static_cast<std::int64_t>(offset.packed())));
     change = _mm512_mask_cmpeq_epi64_mask(change, _mm512_and_si512(room, all), all);
-    _mm256_mask_storeu_epi32(open, change, after);
+    _mm256_mask_storeu_epi32(unsettled, change, after);
     const auto full =
-        static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(allSpots(after))));
+        static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(allSubBins(after))));
     return static_cast<std::uint32_t>(__builtin_popcount(change & full));
 }
 SUPERRAY_TARGET inline __m256i gatherInts(const int* base, __m256i indices) {
@@ -178,36 +179,36 @@ SUPERRAY_TARGET inline void store(Long8 a, std::int64_t* to) {
 #include "kernels/walk_ends.inc"
 //
 #define SUPERRAY_ROUNDS
-#include "kernels/find_directions.inc"
+#include "kernels/classify_rays.inc"
 //
 #define SUPERRAY_POINT_BYTES 64
 #include "kernels/copy_points.inc"
 //
 #include "kernels/at_least.inc"
 //
-#include "kernels/note_open.inc"
+#include "kernels/mark_boundary.inc"
 
 namespace superray {
 namespace {
 
 template <int Dim>
-SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const RayEnd* ends,
+SUPERRAY_TARGET std::size_t findRuns(const ClassifiedBatch<Dim>& directions, const RayEnd* ends,
                                      std::size_t count, std::uint32_t* starts) {
-    const std::uint32_t* const spots = directions.spot;
-    const auto tilesFrom = [&](std::size_t at) SUPERRAY_TARGET {
-        return _mm512_srli_epi32(_mm512_loadu_si512(spots + at),
-                                 DirectionTiles<Dim>::kSpotBits);
+    const std::uint32_t* const subBins = directions.subBin;
+    const auto binsFrom = [&](std::size_t at) SUPERRAY_TARGET {
+        return _mm512_srli_epi32(_mm512_loadu_si512(subBins + at),
+                                 DirectionBins<Dim>::kSubBinBits);
     };
-    const Extent* const extents = directions.extent.data();
-    const __m512i lone = _mm512_set1_epi32(static_cast<int>(directions.lone));
+    const CellOffset* const endOffsets = directions.endOffset.data();
+    const __m512i unclassified = _mm512_set1_epi32(static_cast<int>(directions.unclassified));
     __m512i ray = _mm512_setr_epi32(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
     starts[0] = 0;
     std::size_t runs = 1;
     for (std::size_t i = 1; i < count; i += 16) {
-        const __m512i tile = tilesFrom(i);
+        const __m512i bin = binsFrom(i);
         const auto differing64 = [&](std::size_t at) SUPERRAY_TARGET {
             return static_cast<unsigned>(_mm512_cmpneq_epi64_mask(
-                _mm512_loadu_si512(extents + at), _mm512_loadu_si512(extents + at - 1)));
+                _mm512_loadu_si512(endOffsets + at), _mm512_loadu_si512(endOffsets + at - 1)));
         };
         const std::size_t n = std::min<std::size_t>(16, count - i);
         const auto endsFrom = [&](std::size_t at) SUPERRAY_TARGET {
@@ -218,8 +219,8 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
             return _mm_load_si128(reinterpret_cast<const __m128i*>(some));
         };
         const __m128i same = _mm_cmpeq_epi8(endsFrom(i), endsFrom(i - 1));
-        unsigned fresh = _mm512_cmpneq_epi32_mask(tile, tilesFrom(i - 1)) |
-                         _mm512_cmpeq_epi32_mask(tile, lone) | differing64(i) |
+        unsigned fresh = _mm512_cmpneq_epi32_mask(bin, binsFrom(i - 1)) |
+                         _mm512_cmpeq_epi32_mask(bin, unclassified) | differing64(i) |
                          differing64(i + 8) << 8 |
                          (~static_cast<unsigned>(_mm_movemask_epi8(same)) & 0xFFFF);
         fresh &= (1u << n) - 1;
@@ -231,25 +232,26 @@ SUPERRAY_TARGET std::size_t findRuns(const RayDirections<Dim>& directions, const
     return runs;
 }
 
-SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* spot,
+SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* subBin,
                                        const std::uint16_t* lastSlice, std::size_t count,
-                                       const Opening* openings, std::uint32_t* chosen) {
-    constexpr int kSpotBits = DirectionTiles<3>::kSpotBits;
+                                       const FirstUnsettled* unsettled, std::uint32_t* chosen) {
+    constexpr int kSubBinBits = DirectionBins<3>::kSubBinBits;
     __m512i ray = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     std::size_t n = 0;
     for (std::size_t i = 0; i < count; i += 16) {
         const auto asked =
             static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xFFFFu);
-        const __m512i at = _mm512_maskz_loadu_epi32(asked, spot + i);
-        const __m512i opening = _mm512_mask_i32gather_epi32(
-            _mm512_setzero_si512(), asked, _mm512_srli_epi32(at, kSpotBits), openings, 4);
-        const __m512i inTile = _mm512_and_si512(at, _mm512_set1_epi32(Opening::kSpots - 1));
-        const __mmask16 open = _mm512_mask_test_epi32_mask(
-            asked, _mm512_srlv_epi32(opening, inTile), _mm512_set1_epi32(1));
-        const __m512i first = _mm512_srli_epi32(opening, Opening::kSpots);
+        const __m512i at = _mm512_maskz_loadu_epi32(asked, subBin + i);
+        const __m512i found = _mm512_mask_i32gather_epi32(
+            _mm512_setzero_si512(), asked, _mm512_srli_epi32(at, kSubBinBits), unsettled, 4);
+        const __m512i inBin =
+            _mm512_and_si512(at, _mm512_set1_epi32(FirstUnsettled::kSubBins - 1));
+        const __mmask16 marked = _mm512_mask_test_epi32_mask(
+            asked, _mm512_srlv_epi32(found, inBin), _mm512_set1_epi32(1));
+        const __m512i first = _mm512_srli_epi32(found, FirstUnsettled::kSubBins);
         const __m512i last = _mm512_cvtepu16_epi32(
             _mm256_loadu_si256(reinterpret_cast<const __m256i*>(lastSlice + i)));
-        const __mmask16 mask = _mm512_mask_cmple_epi32_mask(open, first, last);
+        const __mmask16 mask = _mm512_mask_cmple_epi32_mask(marked, first, last);
         _mm512_storeu_si512(chosen + n, _mm512_maskz_compress_epi32(mask, ray));
         n += static_cast<std::size_t>(__builtin_popcount(mask));
         ray = _mm512_add_epi32(ray, _mm512_set1_epi32(16));
@@ -261,9 +263,9 @@ SUPERRAY_TARGET std::size_t chooseRays(const std::uint32_t* spot,
 
 template <int Dim>
 WalkKernels<Dim> avx512Kernels() {
-    return {walkLine<Dim>,          walkRays<Dim>, walkEnds<Dim>,
-            findDirections<Dim>,    findRuns<Dim>, chooseRays,
-            atLeast<Dim>,           noteOpen<Dim>, copyPoints<Dim, float>,
+    return {walkLine<Dim>,          walkRays<Dim>,     walkEnds<Dim>,
+            classifyRays<Dim>,      findRuns<Dim>,     chooseRays,
+            atLeast<Dim>,           markBoundary<Dim>, copyPoints<Dim, float>,
             copyPoints<Dim, double>};
 }
 

@@ -1,3 +1,5 @@
+#include <superray/core/traversal.h>
+
 #include "kernels/compiler.h"
 #include "kernels/walk_kernel.h"
 
@@ -13,15 +15,16 @@ namespace superray {
 namespace {
 namespace simd {
 
-inline std::uint32_t openRow(Opening* open, const Extent* reach, Extent extent,
-                             std::int32_t slice, std::uint32_t columns, std::uint32_t rows) {
+inline std::uint32_t markRow(FirstUnsettled* unsettled, const CellOffset* farthest,
+                             CellOffset offset, std::int32_t slice, std::uint32_t columns,
+                             std::uint32_t rows) {
     std::uint32_t changed = 0;
-    for (; columns != 0; columns >>= 4, ++open, ++reach) {
-        const Opening now =
-            open->joined(Opening::of(static_cast<Slice>(slice), (columns & 15) * rows));
-        if (now.word == open->word || !extent.within(*reach)) continue;
-        *open = now;
-        changed += now.spots() == Opening::kAllSpots;
+    for (; columns != 0; columns >>= 4, ++unsettled, ++farthest) {
+        const FirstUnsettled now = unsettled->joined(
+            FirstUnsettled::of(static_cast<Slice>(slice), (columns & 15) * rows));
+        if (now.word == unsettled->word || !offset.within(*farthest)) continue;
+        *unsettled = now;
+        changed += now.subBins() == FirstUnsettled::kAllSubBins;
     }
     return changed;
 }
@@ -30,9 +33,9 @@ inline std::uint32_t openRow(Opening* open, const Extent* reach, Extent extent,
 }  // namespace
 }  // namespace superray
 
-#include "kernels/note_open.inc"
+#include "kernels/mark_boundary.inc"
 //
-#include "kernels/find_directions.inc"
+#include "kernels/classify_rays.inc"
 //
 #include "kernels/find_runs.inc"
 //
@@ -44,7 +47,7 @@ inline std::uint32_t openRow(Opening* open, const Extent* reach, Extent extent,
 namespace superray {
 
 template <int Dim>
-void walkPortable(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from,
+void walkPortable(ScanCounts<Dim>& counts, const RayLine<Dim>& line, std::int32_t from,
                   std::int32_t to) {
     BlockKey<Dim> current{};
     std::uint32_t base = 0;
@@ -54,31 +57,31 @@ void walkPortable(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t 
         if (!known || key != current) {
             current = key;
             known = true;
-            base = state.offsetOf(key);
+            base = counts.offsetOf(key);
         }
-        state.addresses.push(base + static_cast<std::uint32_t>(indexInBlock<Dim>(cell)));
+        counts.addresses.push(base + static_cast<std::uint32_t>(indexInBlock<Dim>(cell)));
     });
 }
 
 template <int Dim>
-void walkPortable(WalkState<Dim>& state, const RayBundle<Dim>& rays, std::size_t ray,
+void walkPortable(ScanCounts<Dim>& counts, const RayBundle<Dim>& rays, std::size_t ray,
                   std::int32_t from) {
     const RayLine<Dim> line(rays.geometry(), rays.commonOrigin(), rays.end(ray));
-    state.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
-    walkPortable(state, line, from, line.slices());
+    counts.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
+    walkPortable(counts, line, from, line.slices());
 }
 
 namespace {
 
 template <int Dim>
-void walkLine(WalkState<Dim>& state, const RayLine<Dim>& line, std::int32_t from) {
-    walkPortable(state, line, from, line.slices());
+void walkLine(ScanCounts<Dim>& counts, const RayLine<Dim>& line, std::int32_t from) {
+    walkPortable(counts, line, from, line.slices());
 }
 
 template <int Dim>
-void walkRays(WalkState<Dim>& state, const RayBundle<Dim>& rays, const RayLanes& lanes) {
+void walkRays(ScanCounts<Dim>& counts, const RayBundle<Dim>& rays, const RayLanes& lanes) {
     for (int i = 0; i < lanes.count; ++i)
-        walkPortable(state, rays, lanes.ray[i], lanes.from[i]);
+        walkPortable(counts, rays, lanes.ray[i], lanes.from[i]);
 }
 
 template <int Dim>
@@ -93,16 +96,16 @@ BlockMask<Dim> atLeast(const std::uint8_t* counts, std::uint32_t least) {
 
 template <int Dim>
 WalkKernels<Dim> portableKernels() {
-    return {walkLine<Dim>,          walkRays<Dim>, walkRays<Dim>,
-            findDirections<Dim>,    findRuns<Dim>, chooseRays,
-            atLeast<Dim>,           noteOpen<Dim>, copyPoints<Dim, float>,
+    return {walkLine<Dim>,          walkRays<Dim>,     walkRays<Dim>,
+            classifyRays<Dim>,      findRuns<Dim>,     chooseRays,
+            atLeast<Dim>,           markBoundary<Dim>, copyPoints<Dim, float>,
             copyPoints<Dim, double>};
 }
 
-template void walkPortable(WalkState<2>&, const RayLine<2>&, std::int32_t, std::int32_t);
-template void walkPortable(WalkState<3>&, const RayLine<3>&, std::int32_t, std::int32_t);
-template void walkPortable(WalkState<2>&, const RayBundle<2>&, std::size_t, std::int32_t);
-template void walkPortable(WalkState<3>&, const RayBundle<3>&, std::size_t, std::int32_t);
+template void walkPortable(ScanCounts<2>&, const RayLine<2>&, std::int32_t, std::int32_t);
+template void walkPortable(ScanCounts<3>&, const RayLine<3>&, std::int32_t, std::int32_t);
+template void walkPortable(ScanCounts<2>&, const RayBundle<2>&, std::size_t, std::int32_t);
+template void walkPortable(ScanCounts<3>&, const RayBundle<3>&, std::size_t, std::int32_t);
 template WalkKernels<2> portableKernels();
 template WalkKernels<3> portableKernels();
 

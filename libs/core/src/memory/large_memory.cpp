@@ -1,4 +1,4 @@
-#include <superray/core/large_memory.h>
+#include <superray/core/detail/large_memory.h>
 
 #include "memory/huge_page_supply.h"
 

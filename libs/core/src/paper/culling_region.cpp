@@ -39,15 +39,15 @@ struct CullingRegion<Dim>::Impl {
     std::vector<BlockKey<Dim>> queue;      // parallel to both, nearest first
 
     const BlockMask<Dim>* mask(const BlockKey<Dim>& key) const {
-        const std::uint32_t n = directory.number(key);
+        const std::uint32_t n = directory.id(key);
         return n == 0 ? nullptr : &masks[n - 1];
     }
     void enqueue(const BlockKey<Dim>& key) {
-        if (!directory.box().contains(key) || directory.number(key) != 0) return;
+        if (!directory.box().contains(key) || directory.id(key) != 0) return;
         queue.push_back(key);
         masks.emplace_back();
         enclosed.emplace_back();
-        directory.setNumber(key, static_cast<std::uint32_t>(masks.size()));
+        directory.setId(key, static_cast<std::uint32_t>(masks.size()));
     }
 };
 
@@ -176,7 +176,7 @@ bool CullingRegion<Dim>::contains(const Cell<Dim>& cell) const {
 template <int Dim>
 const BlockMask<Dim>* CullingRegion<Dim>::enclosed(const BlockKey<Dim>& key) const {
     if (cells_ == 0 || !impl_->directory.box().contains(key)) return nullptr;
-    const std::uint32_t n = impl_->directory.number(key);
+    const std::uint32_t n = impl_->directory.id(key);
     return n == 0 ? nullptr : &impl_->enclosed[n - 1];
 }
 

@@ -18,14 +18,14 @@ void EndCells<Dim>::assign(const RayBundle<Dim>& rays, std::size_t begin, std::s
         const Cell<Dim> cell = rays.geometry().cellOf(rays.end(i));
         const BlockKey<Dim> key = blockOf<Dim>(cell);
         if (!known || key != current) {
-            std::uint32_t number = directory_.number(key);
-            if (number == 0) {
+            std::uint32_t id = directory_.id(key);
+            if (id == 0) {
                 keys_.push_back(key);
-                number = static_cast<std::uint32_t>(keys_.size());
-                directory_.setNumber(key, number);
+                id = static_cast<std::uint32_t>(keys_.size());
+                directory_.setId(key, id);
                 hits_.resize(hits_.size() + kCells, 0);
             }
-            base = (number - 1) * kCells;
+            base = (id - 1) * kCells;
             current = key;
             known = true;
         }
@@ -33,7 +33,7 @@ void EndCells<Dim>::assign(const RayBundle<Dim>& rays, std::size_t begin, std::s
             base + static_cast<std::uint32_t>(indexInBlock<Dim>(cell));
         addresses_[i - begin] = address;
         hits_[address] =
-            WalkState<Dim>::saturatingAdd(hits_[address], rays.kind(i) == RayEnd::hit ? 1 : 0);
+            ScanCounts<Dim>::saturatingAdd(hits_[address], rays.kind(i) == RayEnd::hit ? 1 : 0);
     }
     enclosed_.assign(keys_.size(), {});
 }
@@ -47,12 +47,12 @@ void EndCells<Dim>::findEnclosed(const CullingRegion<Dim>& region) {
 }
 
 template <int Dim>
-void EndCells<Dim>::addHits(WalkState<Dim>& state) const {
+void EndCells<Dim>::addHits(ScanCounts<Dim>& counts) const {
     for (std::size_t b = 0; b < keys_.size(); ++b) {
         const std::uint8_t* hits = hits_.data() + b * kCells;
-        std::uint8_t* sum = state.batch.hitsOf(state.batchBlock(keys_[b]));
+        std::uint8_t* sum = counts.batch.hitsOf(counts.batchBlock(keys_[b]));
         for (std::uint32_t i = 0; i < kCells; ++i)
-            sum[i] = WalkState<Dim>::saturatingAdd(sum[i], hits[i]);
+            sum[i] = ScanCounts<Dim>::saturatingAdd(sum[i], hits[i]);
     }
 }
 

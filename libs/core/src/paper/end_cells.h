@@ -28,15 +28,15 @@ class EndCells {
     }
 
     /// Adds the returns to the batch as hits.
-    void addHits(WalkState<Dim>& state) const;
+    void addHits(ScanCounts<Dim>& counts) const;
 
  private:
     static constexpr std::uint32_t kCells = kBlockCells<Dim>;
 
     std::size_t first_ = 0;
-    BlockDirectory<Dim> directory_;  // block -> 1 + number
+    BlockDirectory<Dim> directory_;  // block -> 1 + id
     std::vector<BlockKey<Dim>> keys_;
-    std::vector<std::uint32_t> addresses_;  // per ray: number * kCells + index
+    std::vector<std::uint32_t> addresses_;  // per ray: id * kCells + index
     std::vector<std::uint8_t> hits_;        // ... with a return; saturating
     std::vector<BlockMask<Dim>> enclosed_;  // per block
 };

@@ -12,16 +12,16 @@ template <int Dim>
 class RayWalker {
  public:
     /// \param region may be empty
-    RayWalker(WalkState<Dim>& state, const RayBundle<Dim>& rays,
+    RayWalker(ScanCounts<Dim>& counts, const RayBundle<Dim>& rays,
               const CullingRegion<Dim>& region)
-        : state_(state), rays_(rays), region_(region) {
+        : counts_(counts), rays_(rays), region_(region) {
         static const WalkKernel<Dim> best = bestKernels<Dim>().walk,
                                      portable = portableKernels<Dim>().walk;
-        kernel_ = state.directory.dense() ? best : portable;
+        kernel_ = counts.directory.dense() ? best : portable;
     }
     RayWalker(const RayWalker&) = delete;
     RayWalker& operator=(const RayWalker&) = delete;
-    ~RayWalker() { state_.flush(weight_); }
+    ~RayWalker() { counts_.flush(weight_); }
 
     /// Counts the free cells of a ray outside the region, `weight` times.
     void walk(std::size_t ray, std::uint32_t weight) {
@@ -31,12 +31,12 @@ class RayWalker {
             from = firstSlice_ = region_.firstSliceToWalk(line, firstSlice_);
             culled_ += from > 0;
         }
-        if (weight != weight_ || state_.addresses.size() >= kFlushAt) {
-            state_.flush(weight_);
+        if (weight != weight_ || counts_.addresses.size() >= kFlushAt) {
+            counts_.flush(weight_);
             weight_ = weight;
         }
-        state_.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
-        kernel_(state_, line, from);
+        counts_.addresses.reserveMore(static_cast<std::size_t>(line.steps()));
+        kernel_(counts_, line, from);
     }
 
     /// Rays of which the region took a part.
@@ -47,7 +47,7 @@ class RayWalker {
     /// loop free of mispredictions, few enough to stay in the L1 cache.
     static constexpr std::size_t kFlushAt = 2048;
 
-    WalkState<Dim>& state_;
+    ScanCounts<Dim>& counts_;
     const RayBundle<Dim>& rays_;
     const CullingRegion<Dim>& region_;
     WalkKernel<Dim> kernel_;

@@ -15,41 +15,41 @@ void SettledRegion<Dim>::reset(const BlockBox<Dim>& box, const SaturationSource<
 }
 
 template <int Dim>
-void SettledRegion<Dim>::build(const Cell<Dim>& sensor, const WalkState<Dim>& state,
-                               Horizon<Dim>& horizon, std::uint64_t mostWork) {
-    state_ = &state;
-    horizon_ = &horizon;
+void SettledRegion<Dim>::build(const Cell<Dim>& sensor, const ScanCounts<Dim>& counts,
+                               DirectionRanges<Dim>& ranges, std::uint64_t mostWork) {
+    counts_ = &counts;
+    ranges_ = &ranges;
     ++build_;
     work_ = 0;
     mostWork_ = mostWork;
     queue_.clear();
     visited_.clear();
-    horizon.clear();
+    ranges.clear();
     const std::uint32_t first = blockAt(blockOf<Dim>(sensor));
     enter(blocks_[first]);
     const int at = indexInBlock<Dim>(sensor);
     if (!blocks_[first].settled.test(at)) {
-        horizon.openAll();
+        ranges.markAll();
         return;
     }
     blocks_[first].reached.set(at);
     queue_.push_back(first);
     for (std::size_t i = 0; i < queue_.size(); ++i) spread(queue_[i]);
-    for (const std::uint32_t number : visited_) note(blocks_[number]);
-    horizon.completeOpen();
+    for (const std::uint32_t id : visited_) mark(blocks_[id]);
+    ranges.completeUnsettled();
 }
 
 /// Number of a block, which is made on first use.
 template <int Dim>
 std::uint32_t SettledRegion<Dim>::blockAt(const BlockKey<Dim>& key) {
-    std::uint32_t number = directory_.number(key);
-    if (number == 0) {
+    std::uint32_t id = directory_.id(key);
+    if (id == 0) {
         blocks_.emplace_back();
         blocks_.back().key = key;
-        number = static_cast<std::uint32_t>(blocks_.size());
-        directory_.setNumber(key, number);
+        id = static_cast<std::uint32_t>(blocks_.size());
+        directory_.setId(key, id);
     }
-    return number - 1;
+    return id - 1;
 }
 
 /// Prepares a block that this build has not come to before.
@@ -57,10 +57,10 @@ std::uint32_t SettledRegion<Dim>::blockAt(const BlockKey<Dim>& key) {
 template <int Dim>
 bool SettledRegion<Dim>::enter(Block& block) {
     if (block.build == build_) return block.relevant;
-    block.relevant = horizon_->reaches(block.key);
+    block.relevant = ranges_->sees(block.key);
     block.build = build_;
     block.queued = false;
-    block.reached = block.open = block.noted = {};
+    block.reached = block.boundary = block.marked = {};
     if (!block.relevant) return false;
     findSettled(block);
     visited_.push_back(static_cast<std::uint32_t>(&block - blocks_.data()));
@@ -75,27 +75,27 @@ void SettledRegion<Dim>::findSettled(Block& block) {
         block.inMap = map_->saturation(block.key, limits_.lowerClamp);
     block.knowsMap = true;
     block.settled = block.inMap.saturatedFree;
-    const auto counted = state_->ownBatchBlock(block.key);
+    const auto counted = counts_->ownBatchBlock(block.key);
     if (!counted || block.settled.all()) return;
     const BlockMask<Dim> missed =
-        atLeast(state_->batch.misses(*counted),
+        atLeast(counts_->batch.misses(*counted),
                 block.inMap.mayExceedUnknown ? limits_.misses : limits_.missesOfUnknown);
     for (int w = 0; w < BlockMask<Dim>::kWords; ++w) block.settled.words[w] |= missed.words[w];
 }
 
 /// Spreads the region in a block and to its neighbours.
 template <int Dim>
-void SettledRegion<Dim>::spread(std::uint32_t number) {
-    blocks_[number].queued = false;
+void SettledRegion<Dim>::spread(std::uint32_t id) {
+    blocks_[id].queued = false;
     {
-        Block& block = blocks_[number];
+        Block& block = blocks_[id];
         fill<Dim>(block.reached, block.settled);
         work_ += 40;
-        note(block);
+        mark(block);
     }
     // pass() may make blocks, which moves them all.
-    const BlockMask<Dim> reached = blocks_[number].reached;
-    const BlockKey<Dim> key = blocks_[number].key;
+    const BlockMask<Dim> reached = blocks_[id].reached;
+    const BlockKey<Dim> key = blocks_[id].key;
     for (int a = 0; a < Dim; ++a) {
         for (const int step : {-1, 1}) {
             BlockKey<Dim> to = key;
@@ -109,38 +109,39 @@ void SettledRegion<Dim>::spread(std::uint32_t number) {
 /// The region has come to these cells of a block.
 template <int Dim>
 void SettledRegion<Dim>::pass(const BlockKey<Dim>& to, const BlockMask<Dim>& cells) {
-    const std::uint32_t number = blockAt(to);
-    Block& block = blocks_[number];
+    const std::uint32_t id = blockAt(to);
+    Block& block = blocks_[id];
     if (work_ > mostWork_ && block.build != build_) {
         // Whatever is settled there, the region ends here.
-        if (horizon_->reaches(to)) horizon_->open(to, cells);
+        if (ranges_->sees(to)) ranges_->markBoundary(to, cells);
         return;
     }
     if (!enter(block)) return;
     std::uint64_t fresh = 0;
     for (int w = 0; w < BlockMask<Dim>::kWords; ++w) {
-        block.open.words[w] |= cells.words[w] & ~block.settled.words[w];
+        block.boundary.words[w] |= cells.words[w] & ~block.settled.words[w];
         const std::uint64_t more = cells.words[w] & block.settled.words[w];
         fresh |= more & ~block.reached.words[w];
         block.reached.words[w] |= more;
     }
     if (fresh == 0 || block.queued) return;
     block.queued = true;
-    queue_.push_back(number);
+    queue_.push_back(id);
 }
 
-/// Notes the open cells of a block that are not noted yet.
+/// Notes the boundary cells of a block that are not noted yet.
 template <int Dim>
-void SettledRegion<Dim>::note(Block& block) {
+void SettledRegion<Dim>::mark(Block& block) {
     const BlockMask<Dim> beside = dilated<Dim>(block.reached);
     BlockMask<Dim> fresh;
     for (int w = 0; w < BlockMask<Dim>::kWords; ++w) {
-        fresh.words[w] = (block.open.words[w] | (beside.words[w] & ~block.settled.words[w])) &
-                         ~block.noted.words[w];
-        block.noted.words[w] |= fresh.words[w];
+        fresh.words[w] =
+            (block.boundary.words[w] | (beside.words[w] & ~block.settled.words[w])) &
+            ~block.marked.words[w];
+        block.marked.words[w] |= fresh.words[w];
     }
     if (!fresh.any()) return;
-    horizon_->open(block.key, fresh);
+    ranges_->markBoundary(block.key, fresh);
     work_ += 8 * static_cast<std::uint64_t>(fresh.count()) + 100;
 }
 

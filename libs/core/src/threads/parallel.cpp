@@ -1,4 +1,4 @@
-#include <superray/core/parallel.h>
+#include <superray/core/detail/parallel.h>
 
 #include <algorithm>
 #include <exception>
@@ -14,30 +14,30 @@ namespace {
 /// ThreadSanitizer does not see what orders the threads of a pool that is not compiled for
 /// it, and would find races everywhere.
 template <typename Work>
-void forEach(const std::vector<std::size_t>& shares, const Work& work) {
+void forEach(const std::vector<std::size_t>& chunks, const Work& work) {
     std::vector<std::thread> threads;
-    for (const std::size_t share : shares) threads.emplace_back(work, share);
+    for (const std::size_t chunk : chunks) threads.emplace_back(work, chunk);
     for (std::thread& t : threads) t.join();
 }
 #else
 template <typename Work>
-void forEach(const std::vector<std::size_t>& shares, const Work& work) {
-    std::for_each(std::execution::par, shares.begin(), shares.end(), work);
+void forEach(const std::vector<std::size_t>& chunks, const Work& work) {
+    std::for_each(std::execution::par, chunks.begin(), chunks.end(), work);
 }
 #endif
 
 }  // namespace
 
-void inThreads(std::size_t shares, const std::function<void(std::size_t)>& work) {
-    std::vector<std::size_t> numbers(shares);
+void inThreads(std::size_t chunks, const std::function<void(std::size_t)>& work) {
+    std::vector<std::size_t> numbers(chunks);
     std::iota(numbers.begin(), numbers.end(), std::size_t{0});
     // An exception that leaves a parallel algorithm ends the program.
-    std::vector<std::exception_ptr> failures(shares);
-    forEach(numbers, [&](std::size_t share) {
+    std::vector<std::exception_ptr> failures(chunks);
+    forEach(numbers, [&](std::size_t chunk) {
         try {
-            work(share);
+            work(chunk);
         } catch (...) {
-            failures[share] = std::current_exception();
+            failures[chunk] = std::current_exception();
         }
     });
     for (const std::exception_ptr& failure : failures)

@@ -13,7 +13,8 @@ BenchEngineList& registry() {
     static BenchEngineList list = [] {
         BenchEngineList all;
         for (const auto add : {listOctomapEngine, listOctomapRaysEngine, listMrptOctomapEngine,
-                               listMrptGrid3dEngine, listSuperrayEngines, listCopiesEngines})
+                               listMrptGrid3dEngine, listMrptVoxelMapEngine,
+                               listSuperrayEngines, listCopiesEngines})
             add(all);
         return all;
     }();
@@ -48,6 +49,10 @@ const std::vector<BenchEngineInfo>& benchEngines() {
 const BenchEngineInfo& benchEngine(const std::string& name) {
     const auto found = find(name);
     if (found != registry().end()) return *found;
+    if (name == "mrpt-voxelmap")
+        throw InputError(
+            "engine 'mrpt-voxelmap' needs MRPT >= 2.11; this program was built "
+            "with an older one");
     std::string names;
     for (const auto& engine : registry()) names += (names.empty() ? "" : ", ") + engine.name;
     throw InputError("unknown engine '" + name + "'; known are " + names);

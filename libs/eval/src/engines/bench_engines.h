@@ -13,6 +13,8 @@ void listOctomapEngine(BenchEngineList& list);
 void listOctomapRaysEngine(BenchEngineList& list);
 void listMrptOctomapEngine(BenchEngineList& list);
 void listMrptGrid3dEngine(BenchEngineList& list);
+/// Lists nothing before MRPT 2.11, which has no such map.
+void listMrptVoxelMapEngine(BenchEngineList& list);
 void listSuperrayEngines(BenchEngineList& list);
 void listCopiesEngines(BenchEngineList& list);
 

@@ -1,4 +1,4 @@
-#include <superray/core/parallel.h>
+#include <superray/core/detail/parallel.h>
 
 #include "engines/bench_engines.h"
 

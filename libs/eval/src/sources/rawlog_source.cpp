@@ -3,9 +3,7 @@
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
-#include <mrpt/obs/CRawlog.h>
 #include <mrpt/obs/CSensoryFrame.h>
-#include <mrpt/serialization/CArchive.h>
 #include <superray/eval/input_error.h>
 
 #include <algorithm>
@@ -13,7 +11,7 @@
 #include <functional>
 #include <vector>
 
-#include "sources/gz_input.h"
+#include "sources/object_reader.h"
 #include "sources/scan_source_formats.h"
 
 namespace superray {
@@ -29,62 +27,6 @@ using mrpt::serialization::CSerializable;
 /// Odometry and scans are rarely logged at the same instant: how long before
 /// the first or after the last pose a scan may be [s].
 constexpr double kPoseSlack = 0.05;
-
-/// The objects of a rawlog one by one.
-class ObjectReader {
- public:
-    explicit ObjectReader(const std::string& path)
-        : path_(path), file_(path), archive_(mrpt::serialization::archiveFrom(file_)) {}
-
-    /// nullptr at the end. \throws InputError
-    CSerializable::Ptr next() {
-        while (pending_.empty()) {
-            if (file_.atEnd()) {
-                if (!file_.error().empty()) fail(file_.error());
-                return nullptr;
-            }
-            expand(read());
-        }
-        auto object = pending_.front();
-        pending_.pop_front();
-        ++objects_;
-        return object;
-    }
-
-    std::uint64_t objects() const { return objects_; }
-
- private:
-    CSerializable::Ptr read() {
-        try {
-            return archive_.ReadObject();
-        } catch (const std::exception& e) {
-            if (!file_.error().empty()) fail(file_.error());
-            if (objects_ == 0 && !file_.atEnd())
-                throw InputError(path_ + ": is not a rawlog (" + oneLineCause(e) + ")");
-            fail(file_.atEnd() ? "the file ends inside an object" : oneLineCause(e));
-        }
-    }
-
-    [[noreturn]] void fail(const std::string& why) const {
-        throw InputError(path_ + ": " + why + ", after " + std::to_string(objects_) +
-                         " whole objects, at byte " + std::to_string(file_.fileOffset()) +
-                         " of " + std::to_string(file_.fileSize()));
-    }
-
-    /// A file may be one CRawlog object instead of a sequence.
-    void expand(const CSerializable::Ptr& object) {
-        if (auto rawlog = std::dynamic_pointer_cast<mrpt::obs::CRawlog>(object))
-            for (const auto& entry : *rawlog) pending_.push_back(entry);
-        else
-            pending_.push_back(object);
-    }
-
-    std::string path_;
-    GzInput file_;
-    decltype(mrpt::serialization::archiveFrom(std::declval<GzInput&>())) archive_;
-    std::deque<CSerializable::Ptr> pending_;
-    std::uint64_t objects_ = 0;
-};
 
 /// Calls `visit` for the observations that an object is or holds.
 void forEachObservation(const CSerializable::Ptr& object,
@@ -162,8 +104,13 @@ class RawlogSource final : public ScanSource {
         } catch (const InputError& e) {
             const std::string message = std::string(e.what()) + "; scans before it: " +
                                         std::to_string(index_.scanTimes.size());
-            if (options_.truncation == Truncation::error || index_.scanTimes.empty())
-                throw InputError(message);
+            const bool isTruncated = dynamic_cast<const TruncatedInputError*>(&e) != nullptr;
+            if (isTruncated && options_.truncation == Truncation::error)
+                throw InputError(message + " (--accept-truncated takes those)");
+            if (!isTruncated && options_.truncation == Truncation::accept)
+                throw InputError(message +
+                                 "; it is damaged, not truncated: nothing of it is certain");
+            if (!isTruncated || index_.scanTimes.empty()) throw InputError(message);
             index_.warning = message;
         }
     }

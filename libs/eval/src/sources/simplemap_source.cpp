@@ -1,29 +1,37 @@
 #include <mrpt/maps/CSimpleMap.h>
-#include <mrpt/serialization/CArchive.h>
 #include <superray/eval/input_error.h>
 #include <superray/maps/mrpt_compat.h>
+#include <superray/maps/newer_objects.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "sources/gz_input.h"
+#include "sources/object_reader.h"
 #include "sources/scan_source_formats.h"
 
 namespace superray {
 namespace {
 
 mrpt::maps::CSimpleMap readSimpleMap(const std::string& path) {
-    GzInput file(path);
+    const auto file = openInput(path);
     mrpt::maps::CSimpleMap map;
+    std::string why;
     try {
-        auto archive = mrpt::serialization::archiveFrom(file);
-        archive >> map;
+        const auto object = readObject(*file);
+        if (!IS_CLASS(*object, mrpt::maps::CSimpleMap))
+            throw std::runtime_error("it is a " +
+                                     std::string(object->GetRuntimeClass()->className));
+        map = dynamic_cast<const mrpt::maps::CSimpleMap&>(*object);
+        // The end of the compressed data holds their check sum.
+        if (!file->atEnd()) why = "other data follow it";
+        if (!file->error().empty()) why = file->error();
     } catch (const std::exception& e) {
-        std::string why = file.error();
-        if (why.empty())
-            why = file.atEnd() ? "the file ends inside an object" : oneLineCause(e);
-        throw InputError(path + ": is not a whole simplemap: " + why);
+        why = readFailure(*file, e);
     }
+    if (!why.empty())
+        throw InputError(path + ": is not a whole simplemap: " + why + ", at byte " +
+                         std::to_string(file->fileOffset()) + " of " +
+                         std::to_string(file->fileSize()));
     return map;
 }
 

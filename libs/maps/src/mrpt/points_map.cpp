@@ -97,7 +97,7 @@ std::string CSuperRayPointsMap<Dim>::asString() const {
 }
 
 template <int Dim>
-void CSuperRayPointsMap<Dim>::getVisualizationInto(mrpt::opengl::CSetOfObjects& objects) const {
+void CSuperRayPointsMap<Dim>::getVisualizationInto(mrpt_viz::CSetOfObjects& objects) const {
     if (genericMapParams.enableSaveAs3DObject) occupancy_->getVisualizationInto(objects);
 }
 

@@ -1,10 +1,9 @@
+#include <superray/maps/gzip_output.h>
 #include <superray/maps/super_ray_map_base.h>
 
 #include <mrpt/img/CImage.h>
 #include <mrpt/io/lazy_load_path.h>
 #include <mrpt/obs/CObservation.h>
-#include <mrpt/opengl/COctoMapVoxels.h>
-#include <mrpt/opengl/CSetOfObjects.h>
 #include <superray/maps/observation_rays.h>
 
 #include <filesystem>
@@ -273,12 +272,12 @@ void CSuperRayMapBase<Dim>::determineMatching2D(
 // --- views --------------------------------------------------------------------
 
 template <int Dim>
-std::shared_ptr<mrpt::opengl::COctoMapVoxels> CSuperRayMapBase<Dim>::visualization() const {
+std::shared_ptr<mrpt_viz::COctoMapVoxels> CSuperRayMapBase<Dim>::visualization() const {
     return view_->draw(*storage_, sensorModel(), renderingOptions);
 }
 
 template <int Dim>
-void CSuperRayMapBase<Dim>::getVisualizationInto(mrpt::opengl::CSetOfObjects& objects) const {
+void CSuperRayMapBase<Dim>::getVisualizationInto(mrpt_viz::CSetOfObjects& objects) const {
     if (genericMapParams.enableSaveAs3DObject) objects.insert(visualization());
 }
 
@@ -286,7 +285,7 @@ template <int Dim>
 void CSuperRayMapBase<Dim>::exportScene(const std::string& path) const {
     GlScene scene;
     scene.insert(visualization());
-    if (!scene.saveToFile(path)) throw std::runtime_error("cannot write " + path);
+    if (!writeGzip(scene, path)) throw std::runtime_error("cannot write " + path);
 }
 
 template <int Dim>

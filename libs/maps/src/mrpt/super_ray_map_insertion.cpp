@@ -1,6 +1,7 @@
 // Scans into the map.
 
 #include <mrpt/poses/CPose3DInterpolator.h>
+#include <superray/core/reference_mapper.h>
 #include <superray/core/stopwatch.h>
 #include <superray/maps/observation_rays.h>
 #include <superray/maps/super_ray_map_base.h>

@@ -8,6 +8,7 @@
 #include "matching/likelihood.h"
 #include "queries/coarse_levels.h"
 #include "queries/map_algebra.h"
+#include "queries/neighbor_search.h"
 #include "queries/obstacle_search.h"
 #include "queries/ray_cast.h"
 #include "views/voxel_view.h"
@@ -40,6 +41,12 @@ std::optional<NearestObstacle> CSuperRayMapBase<Dim>::nearestObstacle(
     if (!storage_->geometry().contains(p)) return std::nullopt;
     return findNearestObstacle<Dim>(
         *distances_, {*storage_, changes_, sensorModel().occupied()}, p, maxDistance);
+}
+
+template <int Dim>
+std::vector<Neighbor> CSuperRayMapBase<Dim>::neighbors(const NeighborQuery& query) const {
+    return findNeighbors<Dim>(*distances_, {*storage_, changes_, sensorModel().occupied()},
+                              query);
 }
 
 template <int Dim>
@@ -110,6 +117,8 @@ void CSuperRayMapBase<Dim>::merge(const mrpt::maps::CMetricMap& other,
     template bool CSuperRayMapBase<Dim>::isOccupied(const Eigen::Vector3d&) const;             \
     template std::optional<NearestObstacle> CSuperRayMapBase<Dim>::nearestObstacle(            \
         const Eigen::Vector3d&, double) const;                                                 \
+    template std::vector<Neighbor> CSuperRayMapBase<Dim>::neighbors(const NeighborQuery&)      \
+        const;                                                                                 \
     template float CSuperRayMapBase<Dim>::squareDistanceToClosestCorrespondence(float, float)  \
         const;                                                                                 \
     template const mrpt::maps::CSimplePointsMap* CSuperRayMapBase<Dim>::getAsSimplePointsMap() \

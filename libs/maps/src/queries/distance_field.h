@@ -9,6 +9,7 @@
 #include <mutex>
 #include <shared_mutex>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace superray {
@@ -24,7 +25,11 @@ namespace superray {
 template <int Dim>
 class DistanceField {
  public:
-    static constexpr int kMaxReach = 31;  ///< [cells]: an offset takes 6 bits per axis
+    static constexpr int kMaxReach = 31;     ///< [cells]: an offset takes 6 bits per axis
+    static constexpr double kNearReach = 4;  ///< [cells] of the near layer
+
+    /// The occupied cells of all blocks that have one.
+    using OccupiedBlocks = std::unordered_map<BlockKey<Dim>, BlockMask<Dim>, IndexHash>;
 
     /// What the field describes.
     struct Source {
@@ -64,6 +69,18 @@ class DistanceField {
         for (const auto& [key, mask] : occupied_) visit(key, mask);
     }
 
+    /// Calls read(blocks), concurrently unless the map has changed.
+    template <class Read>
+    void readOccupied(const Source& source, Read&& read) {
+        {
+            const std::shared_lock<std::shared_mutex> lock(mutex_);
+            if (isCurrent(source, 0)) return read(std::as_const(occupied_));
+        }
+        const std::unique_lock<std::shared_mutex> lock(mutex_);
+        update(source, 0);
+        read(std::as_const(occupied_));
+    }
+
     /// Blocks whose distances are in memory and valid.
     std::size_t validBlocks() const;
 
@@ -82,7 +99,6 @@ class DistanceField {
         double reach = 0;
         std::unordered_map<BlockKey<Dim>, FieldBlock, IndexHash> blocks;
     };
-    static constexpr double kNearReach = 4;
     /// Rows, planes and occupied cells around a block.
     struct Window;
 
@@ -103,7 +119,7 @@ class DistanceField {
     bool everRead_ = false;
     float occupiedFrom_ = 0;
     Layer near_, far_;  // far_ is not used while both have one reach
-    std::unordered_map<BlockKey<Dim>, BlockMask<Dim>, IndexHash> occupied_;
+    OccupiedBlocks occupied_;
 };
 
 extern template class DistanceField<2>;

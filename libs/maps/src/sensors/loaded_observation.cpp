@@ -4,6 +4,8 @@
 #include <mutex>
 #include <unordered_map>
 
+#include "sensors/external_file.h"
+
 namespace superray {
 
 /// The holders of one observation.
@@ -59,7 +61,7 @@ LoadedObservation::LoadedObservation(const mrpt::obs::CObservation& observation,
         const std::lock_guard<std::mutex> lock(readers_->loading);
         if (readers_->ready) return;
         readers_->unloadAfter = !isLoaded();
-        observation_.load();
+        loadExternalData(observation_);
         readers_->ready = true;
     } catch (...) {
         release();

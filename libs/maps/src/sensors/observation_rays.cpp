@@ -2,6 +2,7 @@
 #include <superray/maps/observation_rays.h>
 
 #include <chrono>
+#include <cmath>
 
 #include "sensors/sensor_returns.h"
 
@@ -74,8 +75,10 @@ class MovingSensor {
                  const PoseAtTime& T_map_robot)
         : returns_(returns), timestamp_(timestamp), T_map_robot_(T_map_robot) {}
 
-    /// nullptr if there is no pose
+    /// nullptr if there is no pose, as for a time that is none
     const Transform* at(float seconds) {
+        // NaN, and what the clock could not count to.
+        if (!(std::abs(seconds) < kFarthest)) return nullptr;
         if (!known_ || seconds != seconds_) {
             known_ = true;
             seconds_ = seconds;
@@ -89,6 +92,7 @@ class MovingSensor {
     }
 
  private:
+    static constexpr float kFarthest = 1e9f;  // [s], 30 years
     const SensorReturns& returns_;
     mrpt::Clock::time_point timestamp_;
     const PoseAtTime& T_map_robot_;
@@ -121,7 +125,7 @@ void forEachRay(const SensorReturns& returns, const TInsertionOptions& options,
         }
     };
     add(returns.hits, returns.hitTimes, RayEnd::hit);
-    add(returns.noReturns, returns.noReturnTimes, RayEnd::open);
+    add(returns.noReturns, returns.noReturnTimes, RayEnd::noReturn);
     report.noReturns += returns.noReturnCount;
 }
 

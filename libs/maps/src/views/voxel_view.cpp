@@ -7,10 +7,10 @@
 namespace superray {
 namespace {
 
-using mrpt::opengl::COctoMapVoxels;
+using mrpt_viz::COctoMapVoxels;
 
-constexpr std::array<std::size_t, 2> kSets{mrpt::opengl::VOXEL_SET_OCCUPIED,
-                                           mrpt::opengl::VOXEL_SET_FREESPACE};
+constexpr std::array<std::size_t, 2> kSets{mrpt_viz::VOXEL_SET_OCCUPIED,
+                                           mrpt_viz::VOXEL_SET_FREESPACE};
 
 template <int Dim>
 mrpt::math::TPoint3Df centerOf(const Cell<Dim>& cell, const CellGeometry<Dim>& geometry) {
@@ -22,7 +22,8 @@ mrpt::math::TPoint3Df centerOf(const Cell<Dim>& cell, const CellGeometry<Dim>& g
 /// Colour of a value on the scale [low, high].
 mrpt::img::TColor onScale(double value, double low, double high) {
     const double t = high > low ? (value - low) / (high - low) : 1.0;
-    return mrpt::img::colormap(mrpt::img::cmJET, static_cast<float>(std::clamp(t, 0.0, 1.0)));
+    return toColor(
+        mrpt::img::colormap(mrpt::img::cmJET, static_cast<float>(std::clamp(t, 0.0, 1.0))));
 }
 
 template <class Key>
@@ -159,8 +160,8 @@ std::shared_ptr<COctoMapVoxels> VoxelView<Dim>::draw(const OccupancyMap<Dim>& ma
     voxels->enableCubeTransparency(false);
     voxels->showGridLines(options.generateGridLines);
     voxels->resizeVoxelSets(kSets.size());
-    voxels->showVoxels(mrpt::opengl::VOXEL_SET_OCCUPIED, options.visibleOccupiedVoxels);
-    voxels->showVoxels(mrpt::opengl::VOXEL_SET_FREESPACE, options.visibleFreeVoxels);
+    voxels->showVoxels(mrpt_viz::VOXEL_SET_OCCUPIED, options.visibleOccupiedVoxels);
+    voxels->showVoxels(mrpt_viz::VOXEL_SET_FREESPACE, options.visibleFreeVoxels);
     if (blocks_.empty()) return voxels;
     if (byHeight) scaleHeightColours();
 

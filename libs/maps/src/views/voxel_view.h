@@ -2,7 +2,7 @@
 /// \file voxel_view.h
 /// The 3D view of a map, kept from one call to the next.
 
-#include <mrpt/opengl/COctoMapVoxels.h>
+#include <superray/maps/mrpt_compat.h>
 #include <superray/maps/options.h>
 #include <superray/storage/occupancy_map.h>
 
@@ -30,15 +30,15 @@ class VoxelView {
     /// Sets VOXEL_SET_OCCUPIED and VOXEL_SET_FREESPACE as the options say; the
     /// caller's own. 2D maps are drawn as cubes centred on z = 0. Safe to call
     /// concurrently; the other functions are for the writer of the map.
-    std::shared_ptr<mrpt::opengl::COctoMapVoxels> draw(const OccupancyMap<Dim>& map,
-                                                       const SensorModel& model,
-                                                       const TRenderingOptions& options);
+    std::shared_ptr<mrpt_viz::COctoMapVoxels> draw(const OccupancyMap<Dim>& map,
+                                                   const SensorModel& model,
+                                                   const TRenderingOptions& options);
 
     /// Blocks that the last draw() read from the map.
     std::size_t blocksRead() const { return blocksRead_; }
 
  private:
-    using Voxel = mrpt::opengl::COctoMapVoxels::TVoxel;
+    using Voxel = mrpt_viz::COctoMapVoxels::TVoxel;
     using Key = BlockKey<Dim>;
 
     struct Block {

@@ -1,8 +1,8 @@
-#include <superray/core/parallel.h>
+#include <superray/core/detail/parallel.h>
 #include <superray/storage/block_grid.h>
 
-#include "values/fold_layers.h"
 #include "grid/grid_blocks.h"
+#include "values/fold_layers.h"
 
 #include <algorithm>
 
@@ -16,7 +16,7 @@ using grid::Payload;
 using grid::Pending;
 
 /// Blocks that repay a thread, and that one thread makes before it folds them.
-constexpr std::size_t kBlocksPerShare = 512, kBlocksAtOnce = 16;
+constexpr std::size_t kBlocksPerChunk = 512, kBlocksAtOnce = 16;
 /// Blocks that a thread folds before others may be made: what it has found of them stays
 /// in the cache, and waiting for the other threads takes little in comparison.
 constexpr std::size_t kBlocksOfThread = 1 << 10;
@@ -27,7 +27,7 @@ template <int Dim>
 struct BlockGrid<Dim>::Impl : grid::Blocks<Dim> {
     // Scratch of apply():
     std::vector<Pending<Dim>> pending;
-    /// Numbers of blocks that a share has left to do for one thread.
+    /// Numbers of blocks that a chunk has left to do for one thread.
     struct Left {
         std::vector<std::size_t> toMake, toCollapse;
     };
@@ -69,20 +69,20 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
 
     const FoldModel foldModel(model, policy);
     const FoldVersion& fold = foldForThisCpu();
-    const std::size_t shares = shareCountFor(batch.blockCount(), kBlocksPerShare, threads);
+    const std::size_t chunks = chunkCountFor(batch.blockCount(), kBlocksPerChunk, threads);
     std::vector<typename Impl::Left>& left = impl_->left;
-    left.resize(std::max(shares, left.size()));
+    left.resize(std::max(chunks, left.size()));
     // New blocks and layers get their numbers from one thread, some blocks ahead of the
     // folding, so that what it has just read is still in the cache.
-    const std::size_t step = shares == 1 ? kBlocksAtOnce : shares * kBlocksOfThread;
+    const std::size_t step = chunks == 1 ? kBlocksAtOnce : chunks * kBlocksOfThread;
     for (std::size_t first = 0; first < batch.blockCount(); first += step) {
         const std::size_t last = std::min(batch.blockCount(), first + step);
         impl_->pending.resize(last - first);
         // Calls each work for some blocks, then the next one for them.
-        const auto forShare = [&](std::size_t share, const auto&... works) {
+        const auto forShare = [&](std::size_t chunk, const auto&... works) {
             const std::size_t n = last - first;
-            const std::size_t end = shareBegin(n, share + 1, shares);
-            for (std::size_t i = shareBegin(n, share, shares); i < end; i += kBlocksAtOnce) {
+            const std::size_t end = chunkBegin(n, chunk + 1, chunks);
+            for (std::size_t i = chunkBegin(n, chunk, chunks); i < end; i += kBlocksAtOnce) {
                 const std::size_t some = std::min(end, i + kBlocksAtOnce);
                 const auto forSome = [&](const auto& work) {
                     for (std::size_t j = i; j < some; ++j) work(impl_->pending[j], first + j);
@@ -90,12 +90,12 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
                 (forSome(works), ...);
             }
         };
-        inParallel(shares, [&](std::size_t share) {
-            left[share].toMake.clear();
-            left[share].toCollapse.reserve((last - first) / shares + 1);  // may throw now only
+        inParallel(chunks, [&](std::size_t chunk) {
+            left[chunk].toMake.clear();
+            left[chunk].toCollapse.reserve((last - first) / chunks + 1);  // may throw now only
             // What is needed of a block arrives while others are looked up.
             forShare(
-                share,
+                chunk,
                 [&](Pending<Dim>& p, std::size_t b) {
                     p.place = impl_->table.find(batch.key(b));
                     if (p.place != impl_->table.kNowhere)
@@ -106,17 +106,17 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
                     fold.touchedCells(Payload<Dim>::kLayers, batch.misses(b), batch.hits(b),
                                       p.touched.words.data());
                     if (!impl_->findFor(p, batch.hits(b), fold))
-                        left[share].toMake.push_back(b);
+                        left[chunk].toMake.push_back(b);
                 });
         });
         try {
-            for (std::size_t share = 0; share < shares; ++share)
-                for (const std::size_t b : left[share].toMake)
+            for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+                for (const std::size_t b : left[chunk].toMake)
                     impl_->makeFor(impl_->pending[b - first], batch.key(b),
                                    batch.hits(b) != nullptr);
-            inParallel(shares, [&](std::size_t share) {
-                left[share].toCollapse.clear();
-                forShare(share, [&](Pending<Dim>& p, std::size_t block) {
+            inParallel(chunks, [&](std::size_t chunk) {
+                left[chunk].toCollapse.clear();
+                forShare(chunk, [&](Pending<Dim>& p, std::size_t block) {
                     if (p.payload == nullptr) return;
                     p.fillIn();
                     fold.foldCounts(
@@ -124,15 +124,15 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
                         {Payload<Dim>::kLayers, p.values.data(), p.touched.words.data(),
                          p.payload->known.words.data(), p.payload->saturated.words.data()},
                         batch.misses(block), batch.hits(block));
-                    if (impl_->isUniform(*p.payload)) left[share].toCollapse.push_back(block);
+                    if (impl_->isUniform(*p.payload)) left[chunk].toCollapse.push_back(block);
                 });
             });
         } catch (...) {
             for (Pending<Dim>& p : impl_->pending) impl_->undo(p);
             throw;
         }
-        for (std::size_t share = 0; share < shares; ++share)
-            for (const std::size_t b : left[share].toCollapse)
+        for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+            for (const std::size_t b : left[chunk].toCollapse)
                 impl_->collapse(impl_->table[impl_->pending[b - first].place]);
     }
 }

@@ -2,7 +2,7 @@
 /// \file saturation_cache.h
 /// Which cells of recently written blocks of a tree are saturated free.
 
-#include <superray/core/scan_integrator.h>
+#include <superray/core/saturation_source.h>
 
 #include "containers/block_table.h"
 

@@ -2,13 +2,13 @@
 /// \file tree_apply.h
 /// An update batch into a tree, in one or several threads.
 
-#include <superray/core/parallel.h>
+#include <superray/core/detail/parallel.h>
 #include <superray/core/update_batch.h>
 
-#include "values/fold_layers.h"
 #include "tree/saturation_cache.h"
 #include "tree/tree_read.h"
 #include "tree/tree_update.h"
+#include "values/fold_layers.h"
 
 #include <algorithm>
 #include <atomic>
@@ -49,7 +49,7 @@ class TreeApply {
 
     void run(unsigned threads) {
         const std::size_t shares =
-            shareCountFor(blocks_.size(), kBlocksPerShare, Nodes::kParallel ? threads : 1);
+            chunkCountFor(blocks_.size(), kBlocksPerChunk, Nodes::kParallel ? threads : 1);
         if constexpr (Nodes::kParallel) {
             if (shares > 1) return runParallel(shares);
         }
@@ -60,7 +60,7 @@ class TreeApply {
 
  private:
     /// Blocks that repay a thread.
-    static constexpr std::size_t kBlocksPerShare = 512;
+    static constexpr std::size_t kBlocksPerChunk = 512;
     /// Of the nodes that threads share out: cubes of 8 blocks per axis are many
     /// in a scan, and hold many blocks each.
     static constexpr int kSplitDepth = kBlockDepth - 3;

@@ -2,7 +2,7 @@
 /// \file tree_read.h
 /// Reading the cells of a block off the nodes of a tree (see tree_update.h).
 
-#include <superray/core/scan_integrator.h>
+#include <superray/core/saturation_source.h>
 
 #include "tree/block_cubes.h"
 #include "values/value_rules.h"

@@ -5,7 +5,6 @@
 
 #include <superray/core/block.h>
 #include <superray/core/ray_line.h>
-#include <superray/core/scan_integrator.h>
 
 #include <functional>
 #include <memory>

@@ -18,8 +18,8 @@ namespace superray {
 /// What the far end of a ray means.
 enum class RayEnd : std::uint8_t {
     hit,  ///< a return: the end cell is hit, the cells before it are free
-    open  ///< no return, or cut at maximum range: cells before the end cell are
-          ///< free, the end cell itself is left alone (OctoMap's convention)
+    noReturn  ///< nothing seen, or cut at maximum range: the cells before the end cell
+              ///< are free, the end cell itself is left alone (OctoMap's convention)
 };
 
 /// Points of a scan that did not become rays, and why.
@@ -40,7 +40,7 @@ struct SkippedPoints {
 struct RangeLimits {
     double minimum = 0;  ///< nearer returns are skipped (and counted)
     double maximum =
-        std::numeric_limits<double>::infinity();  ///< farther ones become open rays
+        std::numeric_limits<double>::infinity();  ///< farther ones become no-return rays
     /// \throws std::invalid_argument unless 0 <= minimum < maximum
     void validate() const;
 };
@@ -99,7 +99,7 @@ class RayBundle {
     void restart(const Point<Dim>& origin);
 
     /// Adds a ray from the common origin. A bad point is skipped and counted.
-    /// A hit beyond the maximum range becomes an open ray cut there.
+    /// A hit beyond the maximum range becomes a no-return ray cut there.
     void add(const Point<Dim>& end, RayEnd kind = RayEnd::hit) {
         if (!origins_.empty())
             add(origin_, end, kind);

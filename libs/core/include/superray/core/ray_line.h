@@ -24,20 +24,20 @@ inline std::int64_t toUnits(double scaled) {
 template <int Dim>
 using Units = std::array<std::int64_t, static_cast<std::size_t>(Dim)>;
 
-/// A ray in units, seen along its dominant axis (the one with the largest
+/// A ray in units, seen along its major axis (the one with the largest
 /// extent; the lowest such axis).
 ///
 /// Axes along which the ray runs backwards are mirrored (cell c becomes ~c),
 /// so every mirrored coordinate increases. *Slice* k of a ray is the part
-/// inside dominant cell first[dominant] + k, k = 0 .. slices()-1. On leaving
+/// inside major cell first[major] + k, k = 0 .. slices()-1. On leaving
 /// slice k (k < slices()-1) the ray has the coordinates
 ///
 ///     atExit(a, k) = exit0[a] + k * slope[a]      (exact integers)
 ///
 /// and crosses the border between cells j and j+1 of axis a at "time"
-/// ((j+1) 2^31 - exit0[a]) / slope[a], an exact fraction; the dominant axis
+/// ((j+1) 2^31 - exit0[a]) / slope[a], an exact fraction; the major axis
 /// crosses its k-th border at time k. Borders are crossed in order of time;
-/// ties: the dominant axis last, else the higher axis first. Axes that have
+/// ties: the major axis last, else the higher axis first. Axes that have
 /// reached the end cell take no further step, so the walk always ends there
 /// after |dx| + |dy| (+ |dz|) steps.
 ///
@@ -45,7 +45,7 @@ using Units = std::array<std::int64_t, static_cast<std::size_t>(Dim)>;
 /// (slices + 2) * 2^-31 cells and never pass the end cell early.
 template <int Dim>
 struct RayLine {
-    int dominant = 0;
+    int major = 0;
     Cell<Dim> flip{};    ///< 0, or -1 where mirrored
     Cell<Dim> first{};   ///< mirrored start cell
     Cell<Dim> last{};    ///< mirrored end cell, >= first
@@ -65,18 +65,18 @@ struct RayLine {
         return u;
     }
 
-    std::int32_t slices() const { return last[dominant] - first[dominant] + 1; }
+    std::int32_t slices() const { return last[major] - first[major] + 1; }
     std::int64_t atExit(int axis, std::int32_t slice) const {
         return exit0[axis] + slice * slope[axis];
     }
     /// Mirrored cell coordinate on entering a slice.
     std::int32_t entryCell(int axis, std::int32_t slice) const {
-        if (axis == dominant) return first[axis] + slice;
+        if (axis == major) return first[axis] + slice;
         return slice == 0 ? first[axis] : cellOfUnits(atExit(axis, slice - 1));
     }
     /// Mirrored cell coordinate on leaving a slice.
     std::int32_t exitCell(int axis, std::int32_t slice) const {
-        if (axis == dominant) return first[axis] + slice;
+        if (axis == major) return first[axis] + slice;
         return slice + 1 == slices() ? last[axis] : cellOfUnits(atExit(axis, slice));
     }
     /// Number of steps of the walk = number of free cells of the ray.
@@ -106,7 +106,7 @@ struct RayLine {
     }
 
     /// True if axis a crosses the border beyond cell ca before axis b crosses
-    /// the border beyond cell cb (both not dominant; exact, ties as above).
+    /// the border beyond cell cb (both not major; exact, ties as above).
     bool crossesBefore(int a, std::int32_t ca, int b, std::int32_t cb) const {
         __extension__ using Wide = __int128;
         const Wide left = Wide{(std::int64_t{ca} + 1) * kUnitsPerCell - exit0[a]} * slope[b];
@@ -125,15 +125,15 @@ inline RayLine<Dim>::RayLine(const Units<Dim>& from, const Units<Dim>& to) {
         extent[a] = backwards ? from[a] - to[a] : to[a] - from[a];
         first[a] = cellOfUnits(start[a]);
         last[a] = cellOfUnits(start[a] + extent[a]);
-        if (extent[a] > extent[dominant]) dominant = a;
+        if (extent[a] > extent[major]) major = a;
     }
-    // Fraction of a slice from the start to the first dominant border, < 2^31.
+    // Fraction of a slice from the start to the first major border, < 2^31.
     const std::int64_t toBorder =
-        (std::int64_t{first[dominant]} + 1) * kUnitsPerCell - start[dominant];
+        (std::int64_t{first[major]} + 1) * kUnitsPerCell - start[major];
     for (int a = 0; a < Dim; ++a) {
-        // The dominant axis advances a whole cell per slice: no division.
-        slope[a] = a == dominant ? (extent[a] > 0 ? kUnitsPerCell : 0)
-                                 : slopeOf(extent[a], extent[dominant]);
+        // The major axis advances a whole cell per slice: no division.
+        slope[a] = a == major ? (extent[a] > 0 ? kUnitsPerCell : 0)
+                              : slopeOf(extent[a], extent[major]);
         exit0[a] = start[a] + ((toBorder * slope[a]) >> kUnitBits);
     }
 }

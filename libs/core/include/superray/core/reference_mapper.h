@@ -3,8 +3,8 @@
 /// The oracle: one ray at a time, one cell at a time. Everything else must
 /// equal it bit for bit (design rule 6).
 
+#include <superray/core/cell_counts.h>
 #include <superray/core/ray_bundle.h>
-#include <superray/core/scan_integrator.h>
 #include <superray/core/sensor_model.h>
 
 #include <map>

@@ -3,14 +3,13 @@
 /// Scan in, update batch out: the one entry point of the engine.
 
 #include <superray/core/ray_bundle.h>
+#include <superray/core/saturation_source.h>
 #include <superray/core/sensor_model.h>
 #include <superray/core/update_batch.h>
 
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <unordered_map>
-#include <vector>
 
 namespace superray {
 
@@ -50,31 +49,6 @@ struct ScanStatistics {
     double superRaySeconds = 0, cullingSeconds = 0, traversalSeconds = 0;
     ScanStatistics& operator+=(const ScanStatistics& o);
 };
-
-/// What a map tells of a block before a scan.
-template <int Dim>
-struct BlockSaturation {
-    BlockMask<Dim> saturatedFree;  ///< cells whose log-odds are at the lower clamp
-    /// False only if no cell has log-odds above 0: then the misses that take
-    /// an unknown cell to the lower clamp take every cell there.
-    bool mayExceedUnknown = false;
-};
-
-/// What the engine asks of a map: which cells are saturated free.
-template <int Dim>
-class SaturationSource {
- public:
-    virtual ~SaturationSource() = default;
-    virtual BlockSaturation<Dim> saturation(const BlockKey<Dim>& key,
-                                            float lowerClamp) const = 0;
-};
-
-/// Exact (unsaturated) counts of one cell.
-struct CellCounts {
-    std::uint32_t misses = 0, hits = 0;
-};
-template <int Dim>
-using CellCountMap = std::unordered_map<Cell<Dim>, CellCounts, IndexHash>;
 
 /// Turns scans into update batches. Keeps buffers between scans: one instance
 /// per map; not thread-safe (it runs its own threads).

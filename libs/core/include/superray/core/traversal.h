@@ -29,7 +29,7 @@ void forEachFreeCell(const RayLine<Dim>& line, std::int32_t from, std::int32_t t
             visit(line.unmirrored(cell));
             int next = -1;
             for (int a = 0; a < Dim; ++a) {
-                if (a == line.dominant || cell[a] == exit[a]) continue;
+                if (a == line.major || cell[a] == exit[a]) continue;
                 if (next < 0 || line.crossesBefore(a, cell[a], next, cell[next])) next = a;
             }
             ++cell[next];

@@ -3,7 +3,7 @@
 /// What one scan does to a map: per cell, how many rays miss and how many hit.
 
 #include <superray/core/block.h>
-#include <superray/core/large_memory.h>
+#include <superray/core/detail/large_memory.h>
 
 #include <cstdint>
 #include <vector>

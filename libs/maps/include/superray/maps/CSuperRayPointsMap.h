@@ -43,7 +43,7 @@ class CSuperRayPointsMap : public AssignablePointsMap {
     /// True if no cell is known.
     bool isEmpty() const override;
     std::string asString() const override;
-    void getVisualizationInto(mrpt::opengl::CSetOfObjects& objects) const override;
+    void getVisualizationInto(mrpt_viz::CSetOfObjects& objects) const override;
     void saveMetricMapRepresentationToFile(const std::string& prefix) const override;
     double internal_computeObservationLikelihood(
         const mrpt::obs::CObservation& observation,

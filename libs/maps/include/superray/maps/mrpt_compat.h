@@ -3,6 +3,7 @@
 /// Everything that depends on the MRPT version lives here. Tested with 2.5.8
 /// (Debian 12), 2.14.7 (Debian 13) and 2.15.14 (Debian sid).
 
+#include <mrpt/img/TColor.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/maps/TMetricMapTypesRegistry.h>
@@ -13,12 +14,29 @@
 #include <memory>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 // MRPT_VERSION is 0x258 for 2.5.8, and 0x020A02 for 2.10.2 and later.
+// The module of things to draw is mrpt::viz from 3.0 on. (There, mrpt::opengl draws them.)
+#if MRPT_VERSION >= 0x030000
+#include <mrpt/viz/COctoMapVoxels.h>
+#include <mrpt/viz/CSetOfObjects.h>
+#include <mrpt/viz/Scene.h>
+#else
+#include <mrpt/opengl/COctoMapVoxels.h>
+#include <mrpt/opengl/CSetOfObjects.h>
 #if MRPT_VERSION >= 0x270
 #include <mrpt/opengl/Scene.h>
 #else
 #include <mrpt/opengl/COpenGLScene.h>
+#endif
+#endif
+
+// CVoxelMap exists from 2.11.0 on.
+#if MRPT_VERSION >= 0x020B00
+#define SUPERRAY_HAS_MRPT_VOXEL_MAP 1
+#else
+#define SUPERRAY_HAS_MRPT_VOXEL_MAP 0
 #endif
 
 // CMetricMap::boundingBox() is virtual from 2.11.3 on.
@@ -28,13 +46,47 @@
 #define SUPERRAY_OVERRIDE_SINCE_2_11_3
 #endif
 
+// So is NearestNeighborsCapable.
+#if MRPT_VERSION >= 0x020B03
+#include <mrpt/maps/NearestNeighborsCapable.h>
+#endif
+
 namespace superray {
 
-#if MRPT_VERSION >= 0x270
-using GlScene = mrpt::opengl::Scene;
+#if MRPT_VERSION >= 0x020B03
+using NearestNeighborsBase = mrpt::maps::NearestNeighborsCapable;
 #else
-using GlScene = mrpt::opengl::COpenGLScene;
+/// In the place of an interface that MRPT does not have yet.
+class NearestNeighborsBase {
+ public:
+    virtual ~NearestNeighborsBase() = default;
+};
 #endif
+
+#if MRPT_VERSION >= 0x030000
+namespace mrpt_viz = mrpt::viz;
+#else
+namespace mrpt_viz = mrpt::opengl;
+#endif
+
+#if MRPT_VERSION >= 0x270
+using GlScene = mrpt_viz::Scene;
+#else
+using GlScene = mrpt_viz::COpenGLScene;
+#endif
+
+/// A colour of mrpt::img::colormap(), which has one of floats from 3.0 on.
+template <class Color>
+mrpt::img::TColor toColor(const Color& color) {
+    if constexpr (std::is_same_v<Color, mrpt::img::TColor>) {
+        return color;
+    } else {
+        return color.asTColor();
+    }
+}
+
+/// True if MRPT's own streams read (and write) zstd: 2.15.7 and later.
+constexpr bool kMrptReadsZstd = MRPT_VERSION >= 0x020F07;
 
 /// What MRPT's map creators return: a raw pointer, or a std::shared_ptr from
 /// 2.11.3 on.
@@ -60,6 +112,47 @@ bool hasOrganizedPoints(const Scan& scan) {
     }
 }
 
+/// True if a points map may have a channel of times: that of CPointsMapXYZIRT before
+/// 2.15.0.
+template <class Points, class = void>
+struct HasTimestampChannel : std::false_type {};
+template <class Points>
+struct HasTimestampChannel<
+    Points, std::void_t<decltype(std::declval<const Points&>().getPointsBufferRef_timestamp())>>
+    : std::true_type {};
+
+/// True if a points map may have channels by name, as CGenericPointsMap and, from then
+/// on, CPointsMapXYZIRT: since 2.15.0.
+template <class Points, class = void>
+struct HasNamedChannels : std::false_type {};
+template <class Points>
+struct HasNamedChannels<
+    Points,
+    std::void_t<decltype(std::declval<const Points&>().getPointsBufferRef_float_field("t"))>>
+    : std::true_type {};
+
+/// When each point was measured [s], as the cloud has it: after the time stamp of its
+/// observation. Empty if it does not tell.
+template <class Points>
+std::vector<float> pointTimes(const Points& cloud) {
+    if constexpr (HasNamedChannels<Points>::value) {
+        if (const auto* times = cloud.getPointsBufferRef_float_field("t"))
+            return {times->begin(), times->end()};
+    } else if constexpr (HasTimestampChannel<Points>::value) {
+        if (const auto* times = cloud.getPointsBufferRef_timestamp())
+            return {times->begin(), times->end()};
+    }
+    return {};
+}
+
+/// False if this MRPT cannot read rotating scans that earlier ones wrote: 2.11.4 changed
+/// their stream, but not its version number. (Trying takes minutes.)
+#if MRPT_VERSION < 0x020B04
+inline constexpr bool kReadsEarlierRotatingScans = true;
+#else
+inline constexpr bool kReadsEarlierRotatingScans = false;
+#endif
+
 /// One pose of a CSimpleMap, with what was observed there. Either may be null.
 struct KeyFrameParts {
     std::shared_ptr<const mrpt::poses::CPose3DPDF> pose;
@@ -78,14 +171,20 @@ inline KeyFrameParts keyFrameParts(const mrpt::maps::CSimpleMap& map, std::size_
 #endif
 }
 
-/// A points map that decides what assigning another points map to it does.
-///
-/// From 2.13.2 on MRPT does not ask: `CPointsMap& = other` clears the map and
-/// inserts the bare points of the other one.
+/// True if assigning through a CPointsMap& asks the points map what to do. From 2.13.2
+/// on it clears the map and inserts the bare points of the other one.
+#if MRPT_VERSION < 0x020D02
+inline constexpr bool kAssignmentAsksThePointsMap = true;
+#else
+inline constexpr bool kAssignmentAsksThePointsMap = false;
+#endif
+
+/// A points map that decides what assigning another points map to it does, where MRPT
+/// asks; see kAssignmentAsksThePointsMap.
 class AssignablePointsMap : public mrpt::maps::CSimplePointsMap {
  protected:
     AssignablePointsMap() = default;
-    /// Called by assignments through CPointsMap, before 2.13.2.
+    /// Called by assignments through a CPointsMap&, if MRPT asks.
     virtual void assignFrom(const mrpt::maps::CPointsMap& other) = 0;
     /// Coordinates and options, without a call of clear().
     void copyPoints(const CSimplePointsMap& other) {

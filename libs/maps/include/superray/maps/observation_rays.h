@@ -9,7 +9,8 @@
 /// |                          | points3D when there is none                         |
 /// | CObservationVelodyneScan | raw packets, every return, each with its time;       |
 /// |                          | point_cloud without them                            |
-/// | CObservationPointCloud   | the cloud (sensor frame)                            |
+/// | CObservationPointCloud   | the cloud (sensor frame), each point with its time  |
+/// |                          | where the MRPT version and the cloud have it         |
 /// | CObservation2DRangeScan  | valid ranges (a deltaPitch sweep is not modelled)   |
 /// | CObservationRotatingScan | points where the MRPT version has them; else the    |
 /// |                          | range image if it has one row (no vertical angles)  |
@@ -46,7 +47,8 @@ struct SensorReturns {
     std::vector<Eigen::Vector3f> hits;       ///< [m]
     std::vector<Eigen::Vector3f> noReturns;  ///< far ends of rays without return [m]
     /// With ReturnTimes::read, when each hit and noReturn was measured: [s] after
-    /// the observation's time stamp, 0 where the sensor does not tell.
+    /// the observation's time stamp (< 0: before it), 0 where the sensor does not
+    /// tell. Points with times that are no numbers have no pose.
     std::vector<float> hitTimes, noReturnTimes;
     std::uint64_t noReturnCount = 0;  ///< measurements without (valid) return, listed or not
     bool planar = false;              ///< a 2D scan: the height band does not apply

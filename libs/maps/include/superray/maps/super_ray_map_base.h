@@ -4,10 +4,10 @@
 
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/math/TBoundingBox.h>
-#include <mrpt/opengl/opengl_frwds.h>
 #include <superray/core/scan_integrator.h>
 #include <superray/maps/change_log.h>
 #include <superray/maps/mrpt_compat.h>
+#include <superray/maps/nearest_neighbors.h>
 #include <superray/maps/options.h>
 #include <superray/maps/shared_storage.h>
 #include <superray/maps/super_ray_map_interface.h>
@@ -42,7 +42,9 @@ class ObstaclePoints;
 /// effect at the next insertion. Errors are std::invalid_argument and leave the
 /// map untouched.
 template <int Dim>
-class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterface {
+class CSuperRayMapBase : public mrpt::maps::CMetricMap,
+                         public SuperRayMapInterface,
+                         public NearestNeighbors {
  public:
     TInsertionOptions insertionOptions;
     TLikelihoodOptions likelihoodOptions;
@@ -64,6 +66,9 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     bool forEachChangedBlock(std::uint64_t since, Visit&& visit) const {
         return changes_.forEachSince(since, visit);
     }
+
+    // NearestNeighbors
+    std::vector<Neighbor> neighbors(const NeighborQuery& query) const override;
 
     // SuperRayMapInterface
     int dimension() const override { return Dim; }
@@ -121,7 +126,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
     std::string asString() const override;
     /// Occupied cells as COctoMapVoxels, which every MRPT viewer knows (in 2D:
     /// cubes on z = 0); empty if genericMapParams.enableSaveAs3DObject is off.
-    void getVisualizationInto(mrpt::opengl::CSetOfObjects& objects) const override;
+    void getVisualizationInto(mrpt_viz::CSetOfObjects& objects) const override;
     /// Writes <prefix>.srmap and <prefix>.3Dscene, in 3D <prefix>.bt and
     /// <prefix>.ot, in 2D the picture <prefix>.png.
     void saveMetricMapRepresentationToFile(const std::string& prefix) const override;
@@ -202,7 +207,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap, public SuperRayMapInterf
                        ToBundle toBundle);
     void addStatistics(const RayBundle<Dim>& rays);
     void integrate(const RayBundle<Dim>& rays, TInsertionReport report);
-    std::shared_ptr<mrpt::opengl::COctoMapVoxels> visualization() const;
+    std::shared_ptr<mrpt_viz::COctoMapVoxels> visualization() const;
 
     StorageType type_;
     std::uint32_t reserveMegabytes_ = 0;

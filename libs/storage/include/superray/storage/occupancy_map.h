@@ -3,8 +3,8 @@
 /// What every map storage does, for 2D and 3D alike.
 
 #include <superray/core/block.h>
-#include <superray/core/reference_mapper.h>
-#include <superray/core/scan_integrator.h>
+#include <superray/core/cell_counts.h>
+#include <superray/core/saturation_source.h>
 #include <superray/core/sensor_model.h>
 #include <superray/core/update_batch.h>
 

@@ -1,0 +1,76 @@
+#include "sources/object_reader.h"
+
+#include <mrpt/obs/CRawlog.h>
+#include <mrpt/system/os.h>
+#include <superray/maps/newer_objects.h>
+
+namespace superray {
+
+using mrpt::serialization::CSerializable;
+
+std::unique_ptr<CompressedInput> openInput(const std::string& path) {
+    try {
+        return std::make_unique<CompressedInput>(path);
+    } catch (const std::runtime_error& e) {
+        throw InputError(e.what());
+    }
+}
+
+std::string readFailure(CompressedInput& file, const std::exception& error) {
+    const bool atEnd = file.atEnd();
+    if (!file.error().empty()) return file.error();
+    const std::string text = error.what();
+    const auto has = [&](const char* part) { return text.find(part) != std::string::npos; };
+    if (has("unknown serialization version") || has("is not registered"))
+        return oneLineCause(error) + " (written by a newer MRPT than this program's, " +
+               mrpt::system::MRPT_getVersion() + "?)";
+    return atEnd ? "the file ends inside an object" : oneLineCause(error);
+}
+
+ObjectReader::ObjectReader(const std::string& path)
+    : path_(path), file_(openInput(path)) {}
+
+CSerializable::Ptr ObjectReader::next() {
+    while (pending_.empty()) {
+        if (file_->atEnd()) {
+            if (!file_->error().empty()) fail(file_->error());
+            return nullptr;
+        }
+        expand(read());
+    }
+    auto object = pending_.front();
+    pending_.pop_front();
+    ++objects_;
+    return object;
+}
+
+CSerializable::Ptr ObjectReader::read() {
+    try {
+        return readObject(*file_);
+    } catch (const std::exception& e) {
+        const std::string why = readFailure(*file_, e);
+        if (objects_ == 0 && !file_->atEnd())
+            throw InputError(path_ + ": is not a rawlog (" + why + ")");
+        fail(why);
+    }
+}
+
+void ObjectReader::fail(const std::string& why) const {
+    const std::string message = path_ + ": " + why + ", after " + std::to_string(objects_) +
+                                " whole objects, at byte " +
+                                std::to_string(file_->fileOffset()) + " of " +
+                                std::to_string(file_->fileSize());
+    const bool endsInsideObject = file_->error().empty() && file_->atEnd();
+    if (file_->truncated() || endsInsideObject) throw TruncatedInputError(message);
+    throw InputError(message);
+}
+
+/// A file may be one CRawlog object instead of a sequence.
+void ObjectReader::expand(const CSerializable::Ptr& object) {
+    if (auto rawlog = std::dynamic_pointer_cast<mrpt::obs::CRawlog>(object))
+        for (const auto& entry : *rawlog) pending_.push_back(entry);
+    else
+        pending_.push_back(object);
+}
+
+}  // namespace superray

@@ -1,0 +1,53 @@
+#pragma once
+/// \file object_reader.h
+/// The objects of an MRPT file one by one.
+
+#include <mrpt/serialization/CSerializable.h>
+#include <superray/eval/input_error.h>
+#include <superray/maps/compressed_input.h>
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+
+namespace superray {
+
+/// The file ends too early: what was read before is whole. Other errors are damage,
+/// after which nothing is certain.
+class TruncatedInputError : public InputError {
+ public:
+    using InputError::InputError;
+};
+
+/// Opens a gzip, zstd or plain file. \throws InputError
+std::unique_ptr<CompressedInput> openInput(const std::string& path);
+
+/// What failed when MRPT read an object: of the compressed data, or of the object.
+/// Says so if a newer MRPT wrote it.
+std::string readFailure(CompressedInput& file, const std::exception& error);
+
+class ObjectReader {
+ public:
+    /// \throws InputError
+    explicit ObjectReader(const std::string& path);
+
+    /// nullptr at the end.
+    /// \throws TruncatedInputError, InputError: file, cause, whole objects before, position
+    mrpt::serialization::CSerializable::Ptr next();
+
+    /// Objects that next() gave so far.
+    std::uint64_t objects() const { return objects_; }
+
+ private:
+    mrpt::serialization::CSerializable::Ptr read();
+    [[noreturn]] void fail(const std::string& why) const;
+    void expand(const mrpt::serialization::CSerializable::Ptr& object);
+
+    std::string path_;
+    std::unique_ptr<CompressedInput> file_;
+    std::deque<mrpt::serialization::CSerializable::Ptr> pending_;
+    std::uint64_t objects_ = 0;
+};
+
+}  // namespace superray

@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Builds the Debian packages of this release: package.sh [OUTDIR]   (default: ./packages)
+# Installs what building needs.
+set -euo pipefail
+out=${1:-packages}
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+bash share/scripts/install_deps.sh --packaging
+launcher=()
+command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+cmake --preset release -B build/package -DCMAKE_INSTALL_PREFIX=/usr \
+    -DCMAKE_SKIP_INSTALL_RPATH=ON -DSUPERRAY_BUILD_TESTS=OFF -DSUPERRAY_BUILD_MAN=ON \
+    ${launcher[@]+"${launcher[@]}"}
+cmake --build build/package --parallel "$(nproc)"
+rm -f build/package/*.deb
+(cd build/package && cpack)
+cp build/package/*.deb "$out"
+ls -l "$out"
