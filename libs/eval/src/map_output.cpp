@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <stdexcept>
 #include <vector>
 
 namespace superray {
@@ -16,15 +17,24 @@ const std::vector<std::string> kExportExtensions = {".bt", ".ot", ".ply", ".3Dsc
 
 void writePng(const SuperRayMapInterface& map, const std::string& path,
               const PictureOptions& picture) {
-    const auto* map3 = dynamic_cast<const CSuperRayMapBase<3>*>(&map);
-    if (map3 == nullptr) return map.exportPicture(path);
-    if (!drawMap(map3->storage(), map3->sensorModel(), picture).saveToFile(path))
+    if (const auto* map2 = dynamic_cast<const CSuperRayMapBase<2>*>(&map))
+        return map2->exportPicture(path);
+    const auto& map3 = dynamic_cast<const CSuperRayMapBase<3>&>(map);
+    if (!drawMap(map3.storage(), map3.sensorModel(), picture).saveToFile(path))
         throw InputError(path + ": cannot be written");
+}
+
+void writeOctomapFile(const SuperRayMapInterface& map, const std::string& path) {
+    const auto* map3 = dynamic_cast<const CSuperRayMapBase<3>*>(&map);
+    if (map3 == nullptr)
+        throw std::invalid_argument("cannot write " + path + ": " + map.shortClassName() +
+                                    " is a 2D map, an OctoMap file holds 3D maps");
+    map3->exportOctomap(path);
 }
 
 void write(const SuperRayMapInterface& map, const std::string& extension,
            const std::string& path, const PictureOptions& picture) {
-    if (extension == ".bt" || extension == ".ot") return map.exportOctomap(path);
+    if (extension == ".bt" || extension == ".ot") return writeOctomapFile(map, path);
     if (extension == ".ply") return map.exportPly(path);
     if (extension == ".3Dscene") return map.exportScene(path);
     writePng(map, path, picture);

@@ -53,6 +53,30 @@ using Maps = ::testing::Types<CSuperRayGridMap3D, CSuperRayOctoMap, CSuperRayGri
                               CSuperRayQuadMap>;
 TYPED_TEST_SUITE(MapQueries, Maps);
 
+TYPED_TEST(MapQueries, OccupancyAtAPoint) {
+    constexpr int Dim = dimensionOf<TypeParam>;
+    this->map_.insertionOptions.occupancyThres = 0.6;
+    const auto& map = this->map_;
+    std::size_t occupied = 0;
+    this->forEachCell([&](const Cell<Dim>& c, float value) {
+        auto p = this->center(c);
+        if (Dim == 2) p.z() = 1e9;  // ignored
+        const auto probability = map.occupancyAt(p);
+        ASSERT_TRUE(probability);
+        EXPECT_EQ(*probability, probabilityOf(value));
+        EXPECT_EQ(map.isOccupied(p), value >= logOddsOf(0.6));
+        occupied += map.isOccupied(p) ? 1 : 0;
+    });
+    EXPECT_EQ(occupied, map.cellTotals().occupied);
+    EXPECT_GT(occupied, 0u);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const Eigen::Vector3d& p : {Eigen::Vector3d(1000, 0, 0), Eigen::Vector3d(1e9, 0, 0),
+                                     Eigen::Vector3d(0, nan, 0)}) {
+        EXPECT_FALSE(map.occupancyAt(p));
+        EXPECT_FALSE(map.isOccupied(p));
+    }
+}
+
 TYPED_TEST(MapQueries, NearestObstacle) {
     constexpr int Dim = dimensionOf<TypeParam>;
     std::vector<Eigen::Vector3d> centers;

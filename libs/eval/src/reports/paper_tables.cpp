@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "reports/text_table.h"
+#include "text/text_table.h"
 
 namespace superray {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "reports/text_table.h"
+#include "text/text_table.h"
 
 namespace superray {
 namespace {

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "reports/text_table.h"
+#include "text/text_table.h"
 
 namespace superray {
 

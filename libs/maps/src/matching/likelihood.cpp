@@ -1,7 +1,9 @@
 #include "matching/likelihood.h"
 
-#include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "queries/distance_to_cell.h"
 
 namespace superray {
 namespace {
@@ -23,19 +25,6 @@ class PointScore {
 };
 
 }  // namespace
-
-template <int Dim>
-double distanceToCell(const Point<Dim>& p, const Cell<Dim>& cell,
-                      const CellGeometry<Dim>& geometry) {
-    const Point<Dim> low = geometry.lowerCorner(cell);
-    double squared = 0;
-    for (int a = 0; a < Dim; ++a) {
-        const double gap =
-            std::max({0.0, low[a] - p[a], p[a] - low[a] - geometry.resolution()});
-        squared += gap * gap;
-    }
-    return std::sqrt(squared);
-}
 
 template <int Dim>
 double endPointLogLikelihood(const RayBundle<Dim>& rays, DistanceField<Dim>& field,
@@ -79,8 +68,6 @@ double endPointLogLikelihood(const RayBundle<Dim>& rays, DistanceField<Dim>& fie
 }
 
 #define SUPERRAY_INSTANTIATE(Dim)                                                          \
-    template double distanceToCell<Dim>(const Point<Dim>&, const Cell<Dim>&,               \
-                                        const CellGeometry<Dim>&);                         \
     template double endPointLogLikelihood<Dim>(const RayBundle<Dim>&, DistanceField<Dim>&, \
                                                const DistanceField<Dim>::Source&,          \
                                                const TLikelihoodOptions&);

@@ -9,11 +9,6 @@
 
 namespace superray {
 
-/// Distance from a point to a cell's box [m], 0 inside.
-template <int Dim>
-double distanceToCell(const Point<Dim>& p, const Cell<Dim>& cell,
-                      const CellGeometry<Dim>& geometry);
-
 /// Log-likelihood of the hits; see TLikelihoodOptions. Points that cannot be
 /// addressed score as if they were far from anything.
 template <int Dim>

@@ -289,28 +289,8 @@ void CSuperRayMapBase<Dim>::exportScene(const std::string& path) const {
 }
 
 template <int Dim>
-void CSuperRayMapBase<Dim>::exportOctomap(const std::string& path) const {
-    if constexpr (Dim == 3) {
-        writeOctomap(*storage_, sensorModel(), path);
-    } else {
-        throw std::invalid_argument("cannot write " + path + ": " + shortClassName() +
-                                    " is a 2D map, an OctoMap file holds 3D maps");
-    }
-}
-
-template <int Dim>
 void CSuperRayMapBase<Dim>::exportPly(const std::string& path) const {
     writePly(*storage_, sensorModel(), path);
-}
-
-template <int Dim>
-void CSuperRayMapBase<Dim>::exportPicture(const std::string& path) const {
-    if constexpr (Dim == 2) {
-        writePicture(*storage_, sensorModel(), path);
-    } else {
-        throw std::invalid_argument("cannot write " + path + ": " + shortClassName() +
-                                    " is a 3D map, a picture shows 2D maps");
-    }
 }
 
 template class CSuperRayMapBase<2>;

@@ -111,11 +111,11 @@ void CSuperRayMapBase<Dim>::saveMetricMapRepresentationToFile(const std::string&
     saveToFile(prefix + ".srmap");
     exportScene(prefix + ".3Dscene");
     if constexpr (Dim == 3) {
-        exportOctomap(prefix + ".bt");
-        exportOctomap(prefix + ".ot");
+        this->exportOctomap(prefix + ".bt");
+        this->exportOctomap(prefix + ".ot");
     } else {
         try {
-            exportPicture(prefix + ".png");
+            this->exportPicture(prefix + ".png");
         } catch (const std::invalid_argument& tooLarge) {
             // The map itself is saved: no reason to stop the caller.
             std::cerr << "[superray] " << tooLarge.what() << "\n";

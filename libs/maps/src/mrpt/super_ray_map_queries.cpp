@@ -16,6 +16,23 @@
 namespace superray {
 
 template <int Dim>
+std::optional<double> CSuperRayMapBase<Dim>::occupancyAt(const Eigen::Vector3d& point) const {
+    const Point<Dim> p = point.head<Dim>();
+    if (!storage_->geometry().contains(p)) return std::nullopt;
+    const auto value = storage_->logOdds(storage_->geometry().cellOf(p));
+    if (!value) return std::nullopt;
+    return probabilityOf(*value);
+}
+
+template <int Dim>
+bool CSuperRayMapBase<Dim>::isOccupied(const Eigen::Vector3d& point) const {
+    const Point<Dim> p = point.head<Dim>();
+    if (!storage_->geometry().contains(p)) return false;
+    const auto value = storage_->logOdds(storage_->geometry().cellOf(p));
+    return value && *value >= sensorModel().occupied();
+}
+
+template <int Dim>
 std::optional<NearestObstacle> CSuperRayMapBase<Dim>::nearestObstacle(
     const Eigen::Vector3d& point, double maxDistance) const {
     if (!(maxDistance >= 0))
@@ -95,6 +112,9 @@ void CSuperRayMapBase<Dim>::merge(const mrpt::maps::CMetricMap& other,
 }
 
 #define SUPERRAY_INSTANTIATE(Dim)                                                              \
+    template std::optional<double> CSuperRayMapBase<Dim>::occupancyAt(const Eigen::Vector3d&)  \
+        const;                                                                                 \
+    template bool CSuperRayMapBase<Dim>::isOccupied(const Eigen::Vector3d&) const;             \
     template std::optional<NearestObstacle> CSuperRayMapBase<Dim>::nearestObstacle(            \
         const Eigen::Vector3d&, double) const;                                                 \
     template std::vector<Neighbor> CSuperRayMapBase<Dim>::neighbors(const NeighborQuery&)      \

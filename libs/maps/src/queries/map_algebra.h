@@ -3,7 +3,7 @@
 /// Parts of maps, and maps made of two.
 
 #include <mrpt/poses/CPose3D.h>
-#include <superray/maps/super_ray_map_interface.h>
+#include <superray/maps/map_queries.h>
 #include <superray/storage/occupancy_map.h>
 
 #include <array>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "matching/likelihood.h"
+#include "queries/distance_to_cell.h"
 
 namespace superray {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 /// \file map_export.h
-/// Views of a map for other programs; see SuperRayMapInterface.
+/// Views of a map for other programs; see SuperRayMapInterface and CSuperRayMapBase.
 
 #include <superray/core/sensor_model.h>
 #include <superray/storage/occupancy_map.h>

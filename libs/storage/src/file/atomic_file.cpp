@@ -1,6 +1,6 @@
 #include "file/atomic_file.h"
 
-#include <superray/storage/map_file.h>
+#include <superray/storage/map_file_error.h>
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,6 +1,6 @@
 #include "file/deflate_stream.h"
 
-#include <superray/storage/map_file.h>
+#include <superray/storage/map_file_error.h>
 
 #include <zlib.h>
 

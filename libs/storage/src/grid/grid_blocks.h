@@ -3,8 +3,8 @@
 
 #include <superray/storage/occupancy_map.h>
 
-#include "grid/block_table.h"
-#include "chunked_pool.h"
+#include "containers/block_table.h"
+#include "containers/chunked_pool.h"
 #include "values/fold_layers.h"
 #include "values/saturation_clamp.h"
 

@@ -1,6 +1,6 @@
 #include <superray/storage/quadtree.h>
 
-#include "chunked_pool.h"
+#include "containers/chunked_pool.h"
 #include "tree/tree_storage.h"
 
 namespace superray {

@@ -4,7 +4,7 @@
 
 #include <superray/core/saturation_source.h>
 
-#include "grid/block_table.h"
+#include "containers/block_table.h"
 
 #include <algorithm>
 #include <limits>

@@ -3,6 +3,7 @@
 /// Recorded scans in, a map out, with progress and an account of what was done.
 
 #include <mrpt/maps/CMetricMap.h>
+#include <superray/eval/progress_meter.h>
 #include <superray/eval/scan_source.h>
 #include <superray/maps/insertion_report.h>
 
@@ -13,13 +14,6 @@
 #include <vector>
 
 namespace superray {
-
-/// How far a build is.
-struct BuildProgress {
-    std::uint64_t scans = 0, totalScans = 0;
-    std::uint64_t rays = 0;  ///< inserted so far
-    double seconds = 0;      ///< since the first scan
-};
 
 /// What a build did.
 struct BuildReport {

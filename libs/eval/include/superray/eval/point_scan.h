@@ -2,12 +2,12 @@
 /// \file point_scan.h
 /// Scans as every engine of the benchmark gets them: points in the map frame.
 
+#include <superray/eval/progress_meter.h>
 #include <superray/eval/scan_source.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -35,9 +35,6 @@ struct PointScans {
     std::uint64_t points = 0;      ///< in all of them
     Eigen::AlignedBox3f bounds;    ///< of all origins and points
 };
-
-/// Told after each scan: how many of how many are loaded.
-using LoadProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
 /// \throws InputError as openScanSource(), or if no scan has a point
 PointScans loadPointScans(const PointScanRequest& request, const LoadProgress& progress = {});

@@ -2,13 +2,23 @@
 /// \file progress_meter.h
 /// Progress for people: rate, time left, and numbers that can be read.
 
-#include <superray/eval/map_build.h>
-
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <iosfwd>
 #include <string>
 
 namespace superray {
+
+/// How far a build is.
+struct BuildProgress {
+    std::uint64_t scans = 0, totalScans = 0;
+    std::uint64_t rays = 0;  ///< inserted so far
+    double seconds = 0;      ///< since the first scan
+};
+
+/// Told after each scan: how many of how many are loaded.
+using LoadProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
 /// "12,345,678"
 std::string formatCount(std::uint64_t number);

@@ -2,7 +2,7 @@
 /// \file simulated_rawlog.h
 /// Simulated worlds as recordings for any MRPT program.
 
-#include <superray/eval/point_scan.h>
+#include <superray/eval/progress_meter.h>
 #include <superray/eval/simulated_world.h>
 
 #include <cstdint>

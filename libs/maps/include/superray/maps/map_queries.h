@@ -8,6 +8,16 @@
 
 namespace superray {
 
+/// Numbers of cells.
+struct CellTotals {
+    std::uint64_t known = 0, occupied = 0, free = 0;
+};
+
+/// Axis-aligned box [m, map frame]; z is 0 in 2D.
+struct MetricBounds {
+    Eigen::Vector3d lowest, highest;
+};
+
 /// The occupied cell nearest to a point.
 struct NearestObstacle {
     Eigen::Vector3d cellCenter;  ///< [m]

@@ -17,8 +17,15 @@
 
 #include <memory>
 #include <string>
+#include <type_traits>
 
 namespace superray {
+
+// What exportOctomap() and exportPicture() call.
+void writeOctomap(const OccupancyMap<3>& map, const SensorModel& model,
+                  const std::string& path);
+void writePicture(const OccupancyMap<2>& map, const SensorModel& model,
+                  const std::string& path);
 
 template <int Dim>
 class VoxelView;
@@ -76,6 +83,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     std::string digest() const override { return contentDigest(*storage_); }
     std::uint64_t changeStamp() const override { return changes_.stamp(); }
     SensorModel sensorModel() const override { return insertionOptions.sensorModel(); }
+    std::optional<double> occupancyAt(const Eigen::Vector3d& point) const override;
+    bool isOccupied(const Eigen::Vector3d& point) const override;
     std::optional<NearestObstacle> nearestObstacle(const Eigen::Vector3d& point,
                                                    double maxDistance) const override;
     RayCastResult castRay(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
@@ -94,10 +103,23 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     void setOptions(const TMapOptions& options) override;
     void saveToFile(const std::string& path) const override;
     void loadFromFile(const std::string& path) override;
-    void exportOctomap(const std::string& path) const override;
     void exportPly(const std::string& path) const override;
     void exportScene(const std::string& path) const override;
-    void exportPicture(const std::string& path) const override;
+
+    /// OctoMap file: .bt (occupied or free only) or .ot (log-odds). 3D maps only.
+    /// \throws std::invalid_argument for other extensions
+    /// \throws std::runtime_error if it cannot be written
+    template <int D = Dim, std::enable_if_t<D == 3, int> = 0>
+    void exportOctomap(const std::string& path) const {
+        writeOctomap(*storage_, sensorModel(), path);
+    }
+    /// Grey picture: occupied black, free white, unknown grey. 2D maps only.
+    /// \throws std::invalid_argument for more than 32768 pixels a side
+    /// \throws std::runtime_error if it cannot be written
+    template <int D = Dim, std::enable_if_t<D == 2, int> = 0>
+    void exportPicture(const std::string& path) const {
+        writePicture(*storage_, sensorModel(), path);
+    }
 
     // CMetricMap
     bool isEmpty() const override { return storage_->empty(); }

@@ -1,7 +1,7 @@
 #pragma once
 /// \file super_ray_map_interface.h
 /// The maps for code that does not know their dimension: dynamic_cast a
-/// CMetricMap to this.
+/// CMetricMap to this. What only 2D or only 3D maps can do is in CSuperRayMapBase.
 
 #include <mrpt/maps/CMetricMap.h>
 #include <superray/core/sensor_model.h>
@@ -20,16 +20,6 @@ class CPose3DInterpolator;
 }
 
 namespace superray {
-
-/// Numbers of cells.
-struct CellTotals {
-    std::uint64_t known = 0, occupied = 0, free = 0;
-};
-
-/// Axis-aligned box [m, map frame]; z is 0 in 2D.
-struct MetricBounds {
-    Eigen::Vector3d lowest, highest;
-};
 
 class SuperRayMapInterface {
  public:
@@ -54,6 +44,15 @@ class SuperRayMapInterface {
     /// CSuperRayMapBase::forEachChangedBlock().
     virtual std::uint64_t changeStamp() const = 0;
 
+    /// Probability, in (0, 1), that the cell around a point is occupied; nothing if the
+    /// cell is unknown or cannot be addressed. Safe to call concurrently.
+    /// \param point [m, map frame]; 2D maps ignore z
+    virtual std::optional<double> occupancyAt(const Eigen::Vector3d& point) const = 0;
+    /// Whether the cell around a point is known and its probability is at least
+    /// insertionOptions.occupancyThres. False for unknown cells; ask occupancyAt() to
+    /// tell free from unknown. Safe to call concurrently.
+    /// \param point [m, map frame]; 2D maps ignore z
+    virtual bool isOccupied(const Eigen::Vector3d& point) const = 0;
     /// The occupied cell nearest to a point (by the centres of cells), if its box is
     /// within maxDistance [m], which may be infinite. Up to about 30 cells the answer
     /// comes from a distance field and takes constant time once that is up to date.
@@ -128,20 +127,12 @@ class SuperRayMapInterface {
     /// \throws MapFileError
     virtual void loadFromFile(const std::string& path) = 0;
 
-    /// OctoMap file: .bt (occupied or free only) or .ot (log-odds). 3D only.
-    /// \throws std::invalid_argument for 2D maps and other extensions
-    /// \throws std::runtime_error if it cannot be written
-    virtual void exportOctomap(const std::string& path) const = 0;
     /// Binary PLY: centres of occupied cells and their probability.
     /// \throws std::runtime_error if it cannot be written
     virtual void exportPly(const std::string& path) const = 0;
     /// MRPT scene with the map's visualisation, whatever enableSaveAs3DObject is.
     /// \throws std::runtime_error if it cannot be written
     virtual void exportScene(const std::string& path) const = 0;
-    /// Grey picture: occupied black, free white, unknown grey. 2D only.
-    /// \throws std::invalid_argument for 3D maps and for more than 32768 pixels a side
-    /// \throws std::runtime_error if it cannot be written
-    virtual void exportPicture(const std::string& path) const = 0;
 };
 
 }  // namespace superray

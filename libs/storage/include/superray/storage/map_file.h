@@ -3,21 +3,15 @@
 /// The native file (.srmap): sections with length and checksum, validated
 /// before anything is allocated or replaced; see doc/file_format.md.
 
+#include <superray/storage/map_file_error.h>
 #include <superray/storage/occupancy_map.h>
 
 #include <cstdint>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace superray {
-
-/// A file that is not what it should be: names the file, the place and the rule.
-class MapFileError : public std::runtime_error {
- public:
-    using std::runtime_error::runtime_error;
-};
 
 enum class StorageType : std::uint8_t { blockGrid, tree };
 

@@ -1,6 +1,6 @@
 // Objects by number: none moves, none is another, and pools take little more than they need.
 
-#include "chunked_pool.h"
+#include "containers/chunked_pool.h"
 
 #include <gtest/gtest.h>
 
