@@ -30,7 +30,8 @@ enum class PoseOrigin : std::uint8_t {
     odometry  ///< what the input says, but for robot poses: actions, odometry (rawlogs)
 };
 
-/// What to do with an input that ends in the middle of an object.
+/// What to do with an input that ends in the middle of an object, or of its compressed
+/// data. An input that is damaged in another way is always refused.
 enum class Truncation : std::uint8_t {
     error,  ///< refuse the input (before any scan is delivered)
     accept  ///< deliver the scans before the break
@@ -77,9 +78,10 @@ class ScanSource {
     virtual std::string warning() const { return {}; }
 };
 
-/// Opens an input by its extension or contents:
+/// Opens an input by its extension or contents. MRPT's files may be gzip, zstd or
+/// plain inside, whatever their names; see CompressedInput and readObject().
 ///
-///  - `.rawlog`: observations, or action/observation pairs; gzip or plain.
+///  - `.rawlog`: observations, or action/observation pairs.
 ///    Robot poses are, by preference, CObservationRobotPose by time,
 ///    the sum of the actions' mean increments, or CObservationOdometry by time
 ///    (up to 50 ms outside their range). Externally stored observations are
