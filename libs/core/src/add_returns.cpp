@@ -4,6 +4,7 @@
 #include <superray/core/ray_bundle.h>
 
 #include "kernels/walk_kernel.h"
+#include "tuning.h"
 
 #include <algorithm>
 #include <mutex>
@@ -18,10 +19,9 @@ template <int Dim>
 template <typename Scalar>
 bool RayBundle<Dim>::addGoodReturns(const Scalar* ends, std::size_t count, unsigned threads) {
     static const CopyPoints<Dim, Scalar> copyPoints = bestKernels<Dim>().copy(Scalar{});
-    constexpr std::size_t kPerChunk = 1 << 14;  // repays a thread
     if (!unlimited_ || !origins_.empty()) return false;
     PerAxis<Scalar>& to = coordinates<Scalar>();
-    const std::size_t chunks = chunkCountFor(count, kPerChunk, threads);
+    const std::size_t chunks = chunkCountFor(count, CountingCosts::kPointsPerChunk, threads);
     std::mutex mutex;  // of these:
     bool good = true;
     Point<Dim> lowest = lowest_, highest = highest_;
@@ -54,7 +54,7 @@ template <typename Scalar>
 void RayBundle<Dim>::addPoints(const Scalar* ends, std::size_t count, unsigned threads) {
     reserve(size() + count);
     if (threads > 1 && addGoodReturns(ends, count, threads)) return;
-    constexpr std::size_t kBatch = 512;
+    constexpr std::size_t kBatch = CountingCosts::kPointsAtOnce;
     for (std::size_t first = 0; first < count; first += kBatch) {
         const std::size_t n = std::min(kBatch, count - first);
         const Scalar* const batch = ends + first * Dim;

@@ -97,6 +97,22 @@ void ScanIntegrator<Dim>::reserve(std::size_t bytes, unsigned threads) {
     impl_->walk.reserve(bytes, threads);
 }
 
+/// The culling region of a scan; empty if the method or the absence of a map wants none.
+template <int Dim>
+static void buildRegion(CullingRegion<Dim>& region, const RayBundle<Dim>& rays,
+                        const ScanBounds<Dim>& bounds, const SensorModel& model, Method method,
+                        const SaturationSource<Dim>* map) {
+    region.clear();
+    if ((method != Method::culling && method != Method::full) || map == nullptr) return;
+    BlockSaturation<Dim> block;
+    const auto saturated = [&](const BlockKey<Dim>& key) {
+        block = map->saturation(key, model.min());
+        return block.saturatedFree.any() ? &block.saturatedFree : nullptr;
+    };
+    region.build(rays.geometry().cellOf(rays.commonOrigin()), bounds.lowest, bounds.highest,
+                 saturated);
+}
+
 template <int Dim>
 const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& rays,
                                                        const SensorModel& model,
@@ -105,47 +121,35 @@ const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& ray
     options.validate();
     Impl& impl = *impl_;
     ScanStatistics& statistics = impl.statistics = {};
-    statistics.rays = rays.size();
+    statistics.rays = statistics.superRays = rays.size();
     if (rays.empty()) return impl.empty;
     const ScanBounds<Dim> bounds(rays);
     const Method method = options.method;
     const bool grouping = method == Method::superRays || method == Method::full;
+    const bool skipping = method == Method::automatic && rays.hasCommonOrigin();
 
     Stopwatch watch;
     const std::vector<SuperRay>* superRays = nullptr;
-    if (grouping) superRays = &impl.grouper.group(rays, options.superRayThreshold);
-    statistics.superRays = grouping ? superRays->size() : rays.size();
-    impl.walk.begin(rays, bounds, options.threads);
+    if (grouping) {
+        superRays = &impl.grouper.group(rays, options.superRayThreshold);
+        statistics.superRays = superRays->size();
+    }
     statistics.superRaySeconds = watch.lap();
 
-    const bool skipping = method == Method::automatic && rays.hasCommonOrigin();
-    const bool culling = method == Method::culling || method == Method::full;
-    impl.region.clear();
-    if (culling && map != nullptr) {
-        BlockSaturation<Dim> block;
-        const auto saturated = [&](const BlockKey<Dim>& key) {
-            block = map->saturation(key, model.min());
-            return block.saturatedFree.any() ? &block.saturatedFree : nullptr;
-        };
-        impl.region.build(rays.geometry().cellOf(rays.commonOrigin()), bounds.lowest,
-                          bounds.highest, saturated);
-    }
+    buildRegion(impl.region, rays, bounds, model, method, map);
     statistics.cullingCells = impl.region.cellCount();
     statistics.cullingSeconds = watch.lap();
 
-    if (grouping) {
-        impl.walk.walkSuperRays(*superRays, impl.region);
-    } else if (skipping) {
-        impl.walk.walkSkipping(map, model, options.policy);
-    } else {
-        impl.walk.walkEach(impl.region);
-    }
-    const ScanCounts<Dim>& total = impl.walk.finish();
+    const unsigned threads = options.threads;
+    const typename ScanWalk<Dim>::Result result =
+        grouping   ? impl.walk.walkSuperRays(rays, bounds, threads, *superRays, impl.region)
+        : skipping ? impl.walk.walkSkipping(rays, bounds, threads, map, {model, options.policy})
+                   : impl.walk.walkEach(rays, bounds, threads, impl.region);
     statistics.traversalSeconds = watch.lap();
-    statistics.raysCulled = impl.walk.culled();
-    statistics.traversedCells = total.traversed;
-    statistics.touchedBlocks = total.batch.blockCount();
-    return total.batch;
+    statistics.raysCulled = result.culled;
+    statistics.traversedCells = result.counts.traversed;
+    statistics.touchedBlocks = result.counts.batch.blockCount();
+    return result.counts.batch;
 }
 
 template class ScanIntegrator<2>;

@@ -112,17 +112,19 @@ ClassifiedScan<Dim> classify(const RayBundle<Dim>& scan, int levels,
     return all;
 }
 
+/// The ranges of a scan, not marked anywhere.
 template <int Dim>
-DirectionRanges<Dim> rangesOf(const RayBundle<Dim>& scan, ClassifiedScan<Dim> directions) {
+DirectionRanges<Dim> rangesOf(const RayBundle<Dim>& scan, ClassifiedScan<Dim> classified) {
     DirectionRanges<Dim> ranges;
-    ranges.reset(directions.bins, RayLine<Dim>::unitsOf(scan.geometry(), scan.commonOrigin()));
-    inPieces(bestKernels<Dim>(), scan, 0, directions,
-             [&](std::size_t, std::size_t count, const ClassifiedBatch<Dim>& d) {
+    auto builder = std::make_unique<typename DirectionRanges<Dim>::Builder>(
+        ranges, classified.bins, RayLine<Dim>::unitsOf(scan.geometry(), scan.commonOrigin()));
+    inPieces(bestKernels<Dim>(), scan, 0, classified,
+             [&](std::size_t, std::size_t count, const ClassifiedBatch<Dim>& batch) {
                  std::vector<std::uint32_t> rays(count);
                  std::iota(rays.begin(), rays.end(), 0);
-                 ranges.addRays(d, rays.data(), count);
+                 builder->add(batch, rays.data(), count);
              });
-    ranges.completeFarthest();
+    builder.reset();  // completes the ranges
     return ranges;
 }
 

@@ -1,11 +1,12 @@
-// What walks from the ranges rest on: no bin misses an boundary cell, and nothing that
-// matters is before the ranges.
+// What empty-space skipping rests on: a boundary cell marks the sub-bins of all rays that pass
+// it, and no ray can change the map before its first marked slice.
 
 #include <superray/core/traversal.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "core/directions/classified_scans.h"
 #include "skipping/settled_region.h"
@@ -17,10 +18,10 @@ template <typename T>
 class DirectionRangesOf : public ::testing::Test {};
 TYPED_TEST_SUITE(DirectionRangesOf, Dims);
 
-TYPED_TEST(DirectionRangesOf, AnOpenCellIsNotedInTheSubBinsOfAllItsRays) {
+TYPED_TEST(DirectionRangesOf, ABoundaryCellMarksTheSubBinsOfAllItsRays) {
     constexpr int Dim = TypeParam::value;
     Random random(31);
-    std::size_t cells = 0, bins = 0, noted = 0;
+    std::size_t cells = 0, bins = 0, marked = 0;
     forEachScene<Dim>([&](const RayBundle<Dim>& scan) {
         for (int levels : {2, 6}) {
             const ClassifiedScan<Dim> d = classify(scan, levels);
@@ -44,15 +45,16 @@ TYPED_TEST(DirectionRangesOf, AnOpenCellIsNotedInTheSubBinsOfAllItsRays) {
                     for (int c = 0; others && c < kBlockCells<Dim>; ++c)
                         if (integer(random, 0, 3) > 0) mask.set(c);
                     mask.set(indexInBlock<Dim>(boundary));
-                    ranges.clear();
-                    ASSERT_TRUE(ranges.sees(blockOf<Dim>(boundary)));
-                    ranges.markBoundary(blockOf<Dim>(boundary), mask);
-                    ranges.completeUnsettled();
+                    {
+                        typename DirectionRanges<Dim>::Marker marker(ranges);
+                        ASSERT_TRUE(ranges.sees(blockOf<Dim>(boundary)));
+                        marker.mark(blockOf<Dim>(boundary), mask);
+                    }
                     ASSERT_LE(ranges.firstUnsettled(d.subBin[i]), slice) << i;
                     ++cells;
                     for (std::size_t j = 0; !others && j < scan.size(); j += 101) {
                         ++bins;
-                        noted +=
+                        marked +=
                             ranges.firstUnsettled(d.subBin[j]) != DirectionRanges<Dim>::kNever;
                     }
                 }
@@ -60,12 +62,12 @@ TYPED_TEST(DirectionRangesOf, AnOpenCellIsNotedInTheSubBinsOfAllItsRays) {
         }
     });
     EXPECT_GT(cells, 2000u);
-    // A ranges that is open everywhere would pass the above.
-    EXPECT_LT(noted, bins / 2);
+    // Ranges that are marked everywhere would pass the above.
+    EXPECT_LT(marked, bins / 2);
 }
 
 // What is behind boundary cells is not looked at where all rays are walked from there on, but
-// it is where some of a bin's sub-bins are not open.
+// it is where some of a bin's sub-bins are not marked.
 TEST(DirectionRanges, ATileThatIsOpenInSomeSubBinsHidesNothing) {
     constexpr int kLevels = 6, kPerAxis = 128, kLength = 100, kPlane = 60;
     const Point<3> origin = Point<3>::Constant(0.5);
@@ -79,7 +81,7 @@ TEST(DirectionRanges, ATileThatIsOpenInSomeSubBinsHidesNothing) {
     ASSERT_EQ(scan.size(), 2u * kPerAxis * kPerAxis);
     const ClassifiedScan<3> d = classify(scan, kLevels);
     DirectionRanges<3> ranges = rangesOf(scan, d);
-    ranges.clear();
+    std::optional<DirectionRanges<3>::Marker> marker(ranges);
     const BlockKey<3> behind{11, 3, 3};
     ASSERT_TRUE(ranges.sees(behind));
     // Every other column of a plane across the rays along z, all of one across those along x.
@@ -92,11 +94,11 @@ TEST(DirectionRanges, ATileThatIsOpenInSomeSubBinsHidesNothing) {
         }
     constexpr int kBlock = kPlane / kBlockEdge;
     for (int i = 0; i <= kBlock; ++i)
-        for (int j = 0; j <= kBlock; ++j) ranges.markBoundary({i, j, kBlock}, columns);
+        for (int j = 0; j <= kBlock; ++j) marker->mark({i, j, kBlock}, columns);
     for (int i = 0; i <= kBlock; ++i)
-        for (int j = 0; j <= kBlock; ++j) ranges.markBoundary({kBlock, i, j}, all);
+        for (int j = 0; j <= kBlock; ++j) marker->mark({kBlock, i, j}, all);
     EXPECT_FALSE(ranges.sees(behind));  // so there were enough to take notice
-    ranges.completeUnsettled();
+    marker.reset();                     // completes the marks
     int free = 0;
     for (std::size_t i = 0; i < scan.size(); i += 2) {
         if (ranges.firstUnsettled(d.subBin[i]) != DirectionRanges<3>::kNever) continue;
@@ -111,7 +113,7 @@ TEST(DirectionRanges, ATileThatIsOpenInSomeSubBinsHidesNothing) {
 
 // Cells next to the sensor are seen in a good part of all directions, but not in all that
 // pass their bounds on one axis here and on the other there.
-TEST(DirectionRanges, ANearCellIsNotedForFewRaysThatMissIt) {
+TEST(DirectionRanges, ANearCellIsMarkedForFewRaysThatMissIt) {
     constexpr int kLevels = 6, kPerAxis = 160, kLength = 50, kNear = 3;
     const Point<3> origin(0.1, 0.35, 0.2);
     RayBundle<3> scan(CellGeometry<3>(1.0), origin);
@@ -126,17 +128,16 @@ TEST(DirectionRanges, ANearCellIsNotedForFewRaysThatMissIt) {
         const Cell<3> near{cell % kNear, cell / kNear % kNear, cell / (kNear * kNear)};
         BlockMask<3> mask;
         mask.set(indexInBlock<3>(near));
-        ranges.clear();
-        ranges.markBoundary(blockOf<3>(near), mask);
-        ranges.completeUnsettled();
+        DirectionRanges<3>::Marker(ranges).mark(blockOf<3>(near), mask);
         for (std::size_t i = 0; i < scan.size(); i += 7) {
             bool passes = false;
             forEachFreeCell(lineOf(scan, i), 0, kNear,
                             [&](const Cell<3>& c) { passes |= c == near; });
-            const bool noted = ranges.firstUnsettled(d.subBin[i]) != DirectionRanges<3>::kNever;
-            ASSERT_LE(passes, noted) << i;
+            const bool marked =
+                ranges.firstUnsettled(d.subBin[i]) != DirectionRanges<3>::kNever;
+            ASSERT_LE(passes, marked) << i;
             passing += passes;
-            missing += noted && !passes;
+            missing += marked && !passes;
         }
     }
     EXPECT_GT(passing, 10000);
@@ -163,7 +164,7 @@ void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
     DirectionRanges<Dim> ranges = rangesOf(scan, d);
     SettledRegion<Dim> region;
     region.reset(box, nullptr, {SensorModel(), UpdatePolicy::oncePerScan});
-    region.build(g.cellOf(scan.commonOrigin()), counts, ranges, mostWork);
+    region.grow(g.cellOf(scan.commonOrigin()), counts, ranges, mostWork);
     for (std::size_t i = 0; i < scan.size(); ++i) {
         const RayLine<Dim> line = lineOf(scan, i);
         const std::int32_t from =
@@ -179,7 +180,7 @@ void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
     }
 }
 
-TYPED_TEST(DirectionRangesOf, NothingThatMattersIsBeforeTheHorizon) {
+TYPED_TEST(DirectionRangesOf, NothingThatMattersIsBeforeTheFirstMarkedSlice) {
     constexpr int Dim = TypeParam::value;
     std::size_t skipped = 0, left = 0, skippedEarly = 0, leftEarly = 0;
     const std::size_t rays = forEachScene<Dim>([&](const RayBundle<Dim>& scan) {

@@ -1,9 +1,11 @@
-// A list that its owner works off, helped by others.
+// A list that its owner works off in pieces, with the help of idle threads.
 
 #include "threads/work_queue.h"
 
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -33,22 +35,26 @@ TEST(WorkQueue, OwnerAndHelpersDoEachThingOnce) {
     const auto work = [&](WorkPiece piece) {
         for (std::size_t i = piece.begin; i < piece.end; ++i) ++done[things[i]];
     };
-    queue.start();
+    std::optional<WorkQueue::Round> round(queue);
     std::vector<std::thread> helpers;
     for (std::size_t h = 0; h < kHelpers; ++h) helpers.emplace_back([&] { queue.help(work); });
     for (std::uint32_t i = 0; i < kSize; ++i) things.push_back(i);
     queue.publish(things.size());
     while (const auto piece = queue.take()) work(*piece);
-    queue.finish();
+    round.reset();
     for (std::thread& t : helpers) t.join();
     for (const auto& n : done) ASSERT_EQ(n, 1);
 }
 
 TEST(WorkQueue, HelpersReturnWhenTheOwnerFails) {
     WorkQueue queue;
-    queue.start();
-    std::thread helper([&] { queue.help([](WorkPiece) {}); });
-    queue.finish();  // as its owner does, whatever happens
+    std::thread helper;
+    try {
+        const WorkQueue::Round round(queue);
+        helper = std::thread([&] { queue.help([](WorkPiece) {}); });
+        throw std::runtime_error("the owner fails");
+    } catch (const std::runtime_error&) {
+    }
     helper.join();
     EXPECT_FALSE(queue.take());
 }
@@ -60,9 +66,10 @@ TEST(WorkQueue, HelpersDoNothingForAnOwnerThatHasNotBegun) {
     const auto count = [&](WorkPiece piece) { done += piece.end - piece.begin; };
     queue.help(count);
     EXPECT_EQ(done, 0u);
-    queue.start();
-    queue.publish(0);
-    queue.finish();
+    {
+        const WorkQueue::Round round(queue);
+        queue.publish(0);
+    }
     queue.help(count);
     EXPECT_EQ(done, 0u);
 }

@@ -47,6 +47,7 @@ struct DirectionBins {
     /// by a shift.
     int perSectorBits() const { return (Dim - 1) * levels + 1; }
     std::uint32_t perSector() const { return 1u << perSectorBits(); }
+    static constexpr std::uint32_t majorAxisOf(std::uint32_t sector) { return sector & 3; }
     std::uint32_t sectorOf(std::uint32_t subBin) const {
         return subBin >> (perSectorBits() + kSubBinBits);
     }

@@ -5,6 +5,7 @@
 #include <superray/core/ray_bundle.h>
 
 #include "kernels/walk_kernel.h"
+#include "tuning.h"
 
 namespace superray {
 
@@ -31,7 +32,7 @@ class RayWalker {
             from = firstSlice_ = region_.firstSliceToWalk(line, firstSlice_);
             culled_ += from > 0;
         }
-        if (weight != weight_ || counts_.addresses.size() >= kFlushAt) {
+        if (weight != weight_ || counts_.addresses.size() >= CountingCosts::kFlushAt) {
             counts_.flush(weight_);
             weight_ = weight;
         }
@@ -43,10 +44,6 @@ class RayWalker {
     std::uint64_t culled() const { return culled_; }
 
  private:
-    /// Addresses gathered before they are counted: enough to keep the counting
-    /// loop free of mispredictions, few enough to stay in the L1 cache.
-    static constexpr std::size_t kFlushAt = 2048;
-
     ScanCounts<Dim>& counts_;
     const RayBundle<Dim>& rays_;
     const CullingRegion<Dim>& region_;

@@ -2,19 +2,31 @@
 
 #include "kernels/walk_kernel.h"
 #include "threads/interleave.h"
+#include "tuning.h"
+
+#include <algorithm>
 
 namespace superray {
 namespace {
 
-/// A bin's sub-bins as those of the bin below that covers its (x, y)th quarter.
+/// Spreads the sub-bins of a coarse bin that cover its quarter (x, y) over the 16 sub-bins of
+/// the fine bin there: each becomes a square of four.
 std::uint32_t subBinsBelow(std::uint32_t subBins, std::uint32_t x, std::uint32_t y) {
     const std::uint32_t s = subBins >> (2 * x + 8 * y);
     const std::uint32_t rows = 3 * (s & 0x11) | 6 * (s & 0x22);  // columns twice
     return 0x11 * (rows & 0x0F) | 0x110 * (rows & 0xF0);
 }
 
+/// Calls visit(id) for each sector of a set, bit by bit.
+template <typename Visit>
+void forEachSectorOf(std::uint32_t sectors, const Visit& visit) {
+    for (std::uint32_t left = sectors; left != 0; left &= left - 1)
+        visit(static_cast<std::uint32_t>(__builtin_ctz(left)));
+}
+
 }  // namespace
 
+/// Begins with no rays. Arrays are set sector by sector, when rays come.
 template <int Dim>
 void DirectionRanges<Dim>::reset(const DirectionBins<Dim>& bins, const Units<Dim>& origin) {
     bins_ = bins;
@@ -35,35 +47,36 @@ void DirectionRanges<Dim>::reset(const DirectionBins<Dim>& bins, const Units<Dim
 }
 
 template <int Dim>
-void DirectionRanges<Dim>::use(std::uint32_t sectors) {
-    for (std::uint32_t left = sectors & ~used_; left != 0; left &= left - 1)
-        std::fill_n(farthest_.data() +
-                        std::size_t{perSector_} * static_cast<unsigned>(__builtin_ctz(left)),
-                    perSector_, CellOffset{});
+void DirectionRanges<Dim>::clearSectors(std::uint32_t sectors) {
+    forEachSectorOf(sectors & ~used_, [&](std::uint32_t sector) {
+        std::fill_n(farthest_.data() + perSector_ * sector, perSector_, CellOffset{});
+    });
     used_ |= sectors;
 }
 
 template <int Dim>
-void DirectionRanges<Dim>::addRays(const ClassifiedBatch<Dim>& directions,
-                                   const std::uint32_t* rays, std::size_t count) {
-    use(directions.sectors);
-    farthestGrows_.learn(farthestGrows_.unpredictable()
-                             ? addInterleaved<Branches::none>(directions, rays, count)
-                             : addInterleaved<Branches::predicted>(directions, rays, count),
-                         count);
+void DirectionRanges<Dim>::Builder::add(const ClassifiedBatch<Dim>& batch,
+                                        const std::uint32_t* rays, std::size_t count) {
+    ranges_.clearSectors(batch.sectors);
+    BranchChoice& grows = ranges_.farthestGrows_;
+    grows.learn(grows.unpredictable()
+                    ? ranges_.template addInterleaved<Branches::none>(batch, rays, count)
+                    : ranges_.template addInterleaved<Branches::predicted>(batch, rays, count),
+                count);
 }
 
-/// Neighbours often go the same way.
-/// \return number of rays that changed something
+/// Extends the farthest ends of bins by those of rays. Interleaved, since neighbouring rays
+/// often go into the same bin, and each would wait for the store of the one before.
+/// \return how many rays extended something
 template <int Dim>
 template <Branches branches>
-std::size_t DirectionRanges<Dim>::addInterleaved(const ClassifiedBatch<Dim>& directions,
+std::size_t DirectionRanges<Dim>::addInterleaved(const ClassifiedBatch<Dim>& batch,
                                                  const std::uint32_t* rays, std::size_t count) {
     std::size_t changes = 0;
     interleave(count, [&](std::size_t, std::size_t i) {
-        const CellOffset end = directions.endOffset[rays[i]];
+        const CellOffset end = batch.endOffset[rays[i]];
         // That of the unclassified bin is not used.
-        CellOffset& farthest = farthest_[DirectionBins<Dim>::binOf(directions.subBin[rays[i]])];
+        CellOffset& farthest = farthest_[DirectionBins<Dim>::binOf(batch.subBin[rays[i]])];
         const bool change = !end.within(farthest);
         changes += change;
         if (branches == Branches::none || change) farthest = farthest.joined(end);
@@ -71,21 +84,21 @@ std::size_t DirectionRanges<Dim>::addInterleaved(const ClassifiedBatch<Dim>& dir
     return changes;
 }
 
+/// Fills in the coarser levels, and counts the bins that have rays.
 template <int Dim>
 void DirectionRanges<Dim>::completeFarthest() {
-    for (std::uint32_t left = used_; left != 0; left &= left - 1) {
-        CellOffset* const sector =
-            farthest_.data() + perSector_ * static_cast<unsigned>(__builtin_ctz(left));
-        for (std::uint32_t t = 0; t < levelBegin_.data()[1]; ++t)
-            binsWithRays_ += sector[t] != CellOffset();
-        raise(sector, [](CellOffset x, CellOffset y) { return x.joined(y); });
-    }
+    forEachSectorOf(used_, [&](std::uint32_t sector) {
+        CellOffset* const bins = farthest_.data() + perSector_ * sector;
+        for (std::uint32_t b = 0; b < levelBegin_.data()[1]; ++b)
+            binsWithRays_ += bins[b] != CellOffset();
+        buildPyramid(bins, [](CellOffset x, CellOffset y) { return x.joined(y); });
+    });
 }
 
-/// Fills in the coarser levels of a sector: what is joined of the bins below.
+/// Fills in the coarser levels of a sector: each bin joins the four (in 2D, two) bins below.
 template <int Dim>
 template <typename Value, typename Join>
-void DirectionRanges<Dim>::raise(Value* sector, const Join& join) const {
+void DirectionRanges<Dim>::buildPyramid(Value* sector, const Join& join) const {
     for (int level = 1; level <= bins_.levels; ++level) {
         const Value* fine = sector + levelBegin_[static_cast<std::size_t>(level - 1)];
         Value* coarse = sector + levelBegin_[static_cast<std::size_t>(level)];
@@ -103,80 +116,72 @@ void DirectionRanges<Dim>::raise(Value* sector, const Join& join) const {
     }
 }
 
-template <int Dim>
-void DirectionRanges<Dim>::clear() {
-    fillUnsettled(FirstUnsettled::never());
-    updateVisibleEnds();
-}
-
-template <int Dim>
-void DirectionRanges<Dim>::markAll() {
-    fillUnsettled(FirstUnsettled::all(0));
-}
-
-/// All bins, but that of the unclassified rays, which are walked from the beginning.
+/// Sets the marks of all bins. Unclassified rays always start at slice 0; finished ones never.
 template <int Dim>
 void DirectionRanges<Dim>::fillUnsettled(FirstUnsettled unsettled) {
-    for (std::uint32_t left = used_; left != 0; left &= left - 1)
-        std::fill_n(unsettled_.data() +
-                        std::size_t{perSector_} * static_cast<unsigned>(__builtin_ctz(left)),
-                    perSector_, unsettled);
+    forEachSectorOf(used_, [&](std::uint32_t sector) {
+        std::fill_n(unsettled_.data() + perSector_ * sector, perSector_, unsettled);
+    });
     unsettled_[bins_.unclassified()] = FirstUnsettled::all(0);
     unsettled_[bins_.finished()] = FirstUnsettled::never();
 }
 
+/// Takes the marks of coarse bins down to the finest level, where rays look.
 template <int Dim>
 void DirectionRanges<Dim>::completeUnsettled() {
-    for (std::uint32_t left = used_; left != 0; left &= left - 1) {
-        FirstUnsettled* const sector =
-            unsettled_.data() + perSector_ * static_cast<unsigned>(__builtin_ctz(left));
-        for (int level = bins_.levels; level > 0; --level) {
-            FirstUnsettled* const fine =
-                sector + levelBegin_[static_cast<std::size_t>(level - 1)];
-            const FirstUnsettled* const coarse =
-                sector + levelBegin_[static_cast<std::size_t>(level)];
-            const std::uint32_t edge = bins_.edge(level);
-            const std::uint32_t count = Dim == 3 ? edge * edge : edge;
-            for (std::uint32_t t = 0; t < count; ++t) {
-                const FirstUnsettled above = coarse[t];
-                if (above.subBins() == 0) continue;
-                FirstUnsettled* const below =
-                    fine + 4 * (t & ~(edge - 1)) + 2 * (t & (edge - 1));
-                for (std::uint32_t y = 0; y < (Dim == 3 ? 2 : 1); ++y)
-                    for (std::uint32_t x = 0; x < 2; ++x) {
-                        const std::uint32_t subBins = subBinsBelow(above.subBins(), x, y);
-                        FirstUnsettled& to = below[2 * edge * y + x];
-                        if (subBins != 0)
-                            to = to.joined(FirstUnsettled::of(above.slice(), subBins));
-                    }
+    forEachSectorOf(used_, [&](std::uint32_t sector) {
+        FirstUnsettled* const bins = unsettled_.data() + perSector_ * sector;
+        for (int level = bins_.levels; level > 0; --level)
+            spreadMarks(bins + levelBegin_[static_cast<std::size_t>(level)],
+                        bins + levelBegin_[static_cast<std::size_t>(level - 1)],
+                        bins_.edge(level));
+    });
+}
+
+/// Takes the marks of a level down to the next finer one.
+/// \param edge bins per minor axis of the coarse level
+template <int Dim>
+void DirectionRanges<Dim>::spreadMarks(const FirstUnsettled* coarse, FirstUnsettled* fine,
+                                       std::uint32_t edge) {
+    const std::uint32_t count = Dim == 3 ? edge * edge : edge;
+    for (std::uint32_t b = 0; b < count; ++b) {
+        const FirstUnsettled above = coarse[b];
+        if (above.subBins() == 0) continue;
+        FirstUnsettled* const below = fine + 4 * (b & ~(edge - 1)) + 2 * (b & (edge - 1));
+        for (std::uint32_t y = 0; y < (Dim == 3 ? 2 : 1); ++y)
+            for (std::uint32_t x = 0; x < 2; ++x) {
+                const std::uint32_t subBins = subBinsBelow(above.subBins(), x, y);
+                FirstUnsettled& to = below[2 * edge * y + x];
+                if (subBins != 0) to = to.joined(FirstUnsettled::of(above.slice(), subBins));
             }
-        }
     }
 }
 
-/// How far there is something to see: as far as rays reach, but not where all of them
-/// are walked anyway.
+/// Computes how far there is anything to look for: to the farthest end of the rays, or to the
+/// slice from which on all of them are walked anyway.
 template <int Dim>
 void DirectionRanges<Dim>::updateVisibleEnds() {
     marked_ = 0;
-    for (std::uint32_t left = used_; left != 0; left &= left - 1) {
-        const auto id = static_cast<unsigned>(__builtin_ctz(left));
-        const unsigned d = id & 3;
-        Slice* const sector = visibleEnd_.data() + perSector_ * id;
-        const CellOffset* const farthest = farthest_.data() + perSector_ * id;
-        const FirstUnsettled* const unsettled = unsettled_.data() + perSector_ * id;
-        for (std::uint32_t t = 0; t < levelBegin_.data()[1]; ++t) {
-            const auto end = static_cast<Slice>(farthest[t][d] + 1);
-            const bool all = unsettled[t].subBins() == FirstUnsettled::kAllSubBins;
-            sector[t] = std::min(end, all ? unsettled[t].slice() : kNever);
+    forEachSectorOf(used_, [&](std::uint32_t sector) {
+        const std::uint32_t major = DirectionBins<Dim>::majorAxisOf(sector);
+        Slice* const ends = visibleEnd_.data() + perSector_ * sector;
+        const CellOffset* const farthest = farthest_.data() + perSector_ * sector;
+        const FirstUnsettled* const unsettled = unsettled_.data() + perSector_ * sector;
+        for (std::uint32_t b = 0; b < levelBegin_.data()[1]; ++b) {
+            const auto end = static_cast<Slice>(farthest[b][major] + 1);
+            const bool all = unsettled[b].subBins() == FirstUnsettled::kAllSubBins;
+            ends[b] = std::min(end, all ? unsettled[b].slice() : kNever);
         }
-        raise(sector, [](Slice x, Slice y) { return std::max(x, y); });
-    }
+        buildPyramid(ends, [](Slice x, Slice y) { return std::max(x, y); });
+    });
 }
 
-/// A ray visits a cell in slice k only if, somewhere between entering and leaving
-/// the slice, its minor coordinates are within those of the cell. So its slope is
-/// between (nearest minor / farthest major) and (farthest / nearest).
+/// Calls visit(block as seen by a sector) for the sectors whose rays may pass the block, until
+/// it returns false.
+///
+/// A ray is in a cell only where its minor coordinates are between the cell's. So the slope of
+/// a ray that passes the block is between (nearest minor / farthest major coordinate) and
+/// (farthest minor / nearest major coordinate).
 template <int Dim>
 template <typename Visit>
 void DirectionRanges<Dim>::forEachSector(const BlockKey<Dim>& block, const Visit& visit) const {
@@ -244,8 +249,7 @@ bool DirectionRanges<Dim>::sees(const BlockKey<Dim>& block) const {
 }
 
 template <int Dim>
-void DirectionRanges<Dim>::markBoundary(const BlockKey<Dim>& block,
-                                        const BlockMask<Dim>& cells) {
+void DirectionRanges<Dim>::mark(const BlockKey<Dim>& block, const BlockMask<Dim>& cells) {
     static const MarkBoundary<Dim> kernel = bestKernels<Dim>().markBoundary;
     RangesView<Dim> view;
     view.sensor = sensor_;
@@ -258,8 +262,7 @@ void DirectionRanges<Dim>::markBoundary(const BlockKey<Dim>& block,
         marked_ += kernel(view, s, block, cells);
         return true;
     });
-    constexpr std::uint32_t kMany = 4096;
-    if (marked_ >= kMany) updateVisibleEnds();
+    if (marked_ >= SkippingCosts::kMarksPerUpdate) updateVisibleEnds();
 }
 
 template class DirectionRanges<2>;

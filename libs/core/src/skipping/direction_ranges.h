@@ -1,6 +1,5 @@
 #pragma once
-// The ranges of a scan: for each bin of directions, how far rays get there, and
-// from where on they have something to tell.
+// Per direction bin: the farthest end cell, and the first slice that may still change the map.
 
 #include <superray/core/block.h>
 #include <superray/core/ray_line.h>
@@ -10,78 +9,124 @@
 #include "memory/scratch_array.h"
 #include "threads/branch_choice.h"
 
-#include <algorithm>
 #include <vector>
 
 namespace superray {
 
-/// The farthest cells and the first slice of each bin. Both are kept in a pyramid, so that
-/// something near, which covers many bins, is looked up or noted in a few coarse ones.
+/// What is known of all rays of a chunk, direction by direction.
+///
+/// Both values are kept in a pyramid of bins, like a mip map: something near covers many fine
+/// bins, and is looked up or marked in a few coarse ones.
+///
+/// A Builder makes the ranges. They are constant from then on, but for one thing, which a
+/// Marker does: boundary cells mark the sub-bins of rays that may pass them.
 template <int Dim>
 class DirectionRanges {
  public:
-    using Slice = superray::Slice;
+    class Builder;
+    class Marker;
+
     static constexpr Slice kNever = kNoSlice;
 
-    /// No rays yet. \param origin of the rays [units]
-    void reset(const DirectionBins<Dim>& bins, const Units<Dim>& origin);
-
-    /// Adds some of the rays of `directions`, and all sectors of them.
-    void addRays(const ClassifiedBatch<Dim>& directions, const std::uint32_t* rays,
-                 std::size_t count);
     /// Bins in which rays leave the sensor's cell.
     std::size_t binsWithRays() const { return binsWithRays_; }
-    /// After the last ray, before the first question.
-    void completeFarthest();
 
-    /// Whether a ray may visit a cell of the block, and has nothing to tell before.
+    /// Whether a ray may visit a cell of the block, and may do so before it passes marked
+    /// cells: after them it is walked anyway.
     bool sees(const BlockKey<Dim>& block) const;
 
-    /// Forgets what was noted: no ray has anything to tell, or each from the
-    /// beginning on.
-    void clear();
-    void markAll();
-    /// Notes that rays have something to tell at these cells of a block.
-    void markBoundary(const BlockKey<Dim>& block, const BlockMask<Dim>& cells);
-    /// After the last open(), before the first question about it.
-    void completeUnsettled();
-    /// The first slice in which a ray of the sub-bin may have something to tell; kNever if
-    /// none.
+    /// The first slice in which a ray of the sub-bin may change the map; kNever if in none.
     Slice firstUnsettled(std::uint32_t subBin) const {
         const FirstUnsettled unsettled = unsettled_[DirectionBins<Dim>::binOf(subBin)];
         return unsettled.contains(subBin) ? unsettled.slice() : kNever;
     }
-    /// Of all bins.
+    /// The marks of all bins, for kernels.
     const FirstUnsettled* unsettled() const { return unsettled_.data(); }
 
  private:
-    template <typename Visit>
-    void forEachSector(const BlockKey<Dim>& block, const Visit& visit) const;
+    void reset(const DirectionBins<Dim>& bins, const Units<Dim>& origin);
+    void clearSectors(std::uint32_t sectors);
+    template <Branches branches>
+    std::size_t addInterleaved(const ClassifiedBatch<Dim>& batch, const std::uint32_t* rays,
+                               std::size_t count);
+    void completeFarthest();
     void fillUnsettled(FirstUnsettled unsettled);
     void updateVisibleEnds();
+    void completeUnsettled();
+    static void spreadMarks(const FirstUnsettled* coarse, FirstUnsettled* fine,
+                            std::uint32_t edge);
+    void mark(const BlockKey<Dim>& block, const BlockMask<Dim>& cells);
+    template <typename Visit>
+    void forEachSector(const BlockKey<Dim>& block, const Visit& visit) const;
     template <typename Value, typename Join>
-    void raise(Value* sector, const Join& join) const;
-    template <Branches branches>
-    std::size_t addInterleaved(const ClassifiedBatch<Dim>& directions,
-                               const std::uint32_t* rays, std::size_t count);
-    void use(std::uint32_t sectors);
+    void buildPyramid(Value* sector, const Join& join) const;
 
     DirectionBins<Dim> bins_;
-    std::uint32_t perSector_ = 0;
+    std::uint32_t perSector_ = 0;  // bins
     std::size_t binsWithRays_ = 0;
     BranchChoice farthestGrows_;
-    std::uint32_t used_ = 0;  // bit per sector
+    std::uint32_t used_ = 0;  // bit per sector: there are rays, so the arrays are set
     Cell<Dim> sensor_{};
-    float within_[Dim] = {};  // of the origin in its cell
+    float within_[Dim] = {};  // position of the origin in its cell, 0 .. 1
     std::vector<std::uint32_t> levelBegin_;
-    // Only sectors that are used are initialised.
-    ScratchArray<CellOffset> farthest_;  // largest, axis by axis
+    ScratchArray<CellOffset> farthest_;  // greatest offset of end cells, axis by axis
     ScratchArray<FirstUnsettled> unsettled_;
-    /// The farthest slice that rays reach and that is not behind boundary cells in all
-    /// sub-bins,
-    /// + 1.
+    /// One more than the farthest slice of a ray that is not behind marked cells; less than
+    /// the length of the rays only where all sub-bins are marked.
     ScratchArray<Slice> visibleEnd_;
-    std::uint32_t marked_ = 0;  // bins since the limits were computed
+    std::uint32_t marked_ = 0;  // bins, since the visible ends were computed
+};
+
+/// Builds the ranges of a chunk, which are complete when the builder goes out of scope.
+template <int Dim>
+class DirectionRanges<Dim>::Builder {
+ public:
+    /// \param origin of the rays [units]
+    Builder(DirectionRanges& ranges, const DirectionBins<Dim>& bins, const Units<Dim>& origin)
+        : ranges_(ranges) {
+        ranges_.reset(bins, origin);
+    }
+    ~Builder() { ranges_.completeFarthest(); }
+    Builder(const Builder&) = delete;
+    Builder& operator=(const Builder&) = delete;
+
+    /// Adds `count` rays of a batch, one for each run of rays that end in the same cell.
+    void add(const ClassifiedBatch<Dim>& batch, const std::uint32_t* rays, std::size_t count);
+
+ private:
+    DirectionRanges& ranges_;
+};
+
+/// Marks boundary cells in the ranges, beginning with none marked. The marks are complete
+/// when the marker goes out of scope.
+template <int Dim>
+class DirectionRanges<Dim>::Marker {
+ public:
+    explicit Marker(DirectionRanges& ranges) : ranges_(ranges) {
+        ranges_.fillUnsettled(FirstUnsettled::never());
+        ranges_.updateVisibleEnds();
+    }
+    ~Marker() {
+        if (!all_) ranges_.completeUnsettled();
+    }
+    Marker(const Marker&) = delete;
+    Marker& operator=(const Marker&) = delete;
+
+    /// Marks these cells of a block in the sub-bins of all rays that may pass them.
+    void mark(const BlockKey<Dim>& block, const BlockMask<Dim>& cells) {
+        ranges_.mark(block, cells);
+    }
+    /// Marks every sub-bin from slice 0 on. Nothing else may be marked.
+    void markAll() {
+        all_ = true;
+        ranges_.fillUnsettled(FirstUnsettled::all(0));
+    }
+    /// What sees() tells takes account of marks so far, as far as these were complete.
+    const DirectionRanges& ranges() const { return ranges_; }
+
+ private:
+    DirectionRanges& ranges_;
+    bool all_ = false;
 };
 
 }  // namespace superray

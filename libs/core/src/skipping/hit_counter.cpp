@@ -6,17 +6,18 @@ namespace superray {
 
 template <int Dim>
 void HitCounter<Dim>::count(ScanCounts<Dim>& counts, const RayBundle<Dim>& rays,
-                            std::size_t first, const ClassifiedBatch<Dim>& directions,
-                            const std::uint32_t* starts, std::size_t runs) {
+                            std::size_t first, const ClassifiedBatch<Dim>& batch,
+                            const std::uint32_t* runStarts, std::size_t runs) {
     if (counts.directory.dense()) {
-        findOffsets(counts, rays, first, directions, starts, runs);
+        findOffsets(counts, rays, first, batch, runStarts, runs);
         hitsMatter_.learn(hitsMatter_.unpredictable()
-                              ? countInterleaved<Branches::none>(counts, starts, runs)
-                              : countInterleaved<Branches::predicted>(counts, starts, runs),
+                              ? countInterleaved<Branches::none>(counts, runStarts, runs)
+                              : countInterleaved<Branches::predicted>(counts, runStarts, runs),
                           runs);
         return;
     }
-    for (std::size_t i = first; i < first + starts[runs]; ++i) {
+    // A batch has no block indices then: cell by cell.
+    for (std::size_t i = first; i < first + runStarts[runs]; ++i) {
         if (rays.kind(i) != RayEnd::hit) continue;
         const Cell<Dim> cell = rays.geometry().cellOf(rays.end(i));
         const auto local = static_cast<std::uint32_t>(indexInBlock<Dim>(cell));
@@ -26,43 +27,43 @@ void HitCounter<Dim>::count(ScanCounts<Dim>& counts, const RayBundle<Dim>& rays,
     }
 }
 
-/// Finds where the hits of the runs are counted. To count while at it would take longer:
-/// looking up blocks need not wait for counts that are not in the cache.
+/// Finds where the hits of each run are counted. A loop of its own: looking up blocks then
+/// need not wait for counts that are not in the cache.
 template <int Dim>
 void HitCounter<Dim>::findOffsets(ScanCounts<Dim>& counts, const RayBundle<Dim>& rays,
-                                  std::size_t first, const ClassifiedBatch<Dim>& directions,
-                                  const std::uint32_t* starts, std::size_t runs) {
+                                  std::size_t first, const ClassifiedBatch<Dim>& batch,
+                                  const std::uint32_t* runStarts, std::size_t runs) {
     const RayEnd* const ends = rays.kinds() + first;
     for (std::size_t run = 0; run < runs; ++run) {
-        const std::size_t i = starts[run];
+        const std::size_t i = runStarts[run];
         if (ends[i] != RayEnd::hit) {
             offsets_[run] = ScanCounts<Dim>::kNoOffset;
             continue;
         }
-        const std::uint32_t block = counts.hitOffset(directions.block[i], [&] {
+        const std::uint32_t block = counts.hitOffset(batch.block[i], [&] {
             return blockOf<Dim>(rays.geometry().cellOf(rays.end(first + i)));
         });
-        offsets_[run] = block + directions.local[i];
+        offsets_[run] = block + batch.local[i];
     }
 }
 
-/// Neighbours often end in the same cell.
-/// \return number of runs whose hits changed something
+/// Counts the runs. Interleaved, since neighbours often end in the same cell.
+/// \return how many runs changed a count
 template <int Dim>
 template <Branches branches>
 std::size_t HitCounter<Dim>::countInterleaved(ScanCounts<Dim>& counts,
-                                              const std::uint32_t* starts,
+                                              const std::uint32_t* runStarts,
                                               std::size_t runs) const {
     std::uint8_t* const arena = counts.batch.hitArena();
-    const std::uint8_t sure = counts.hitsToSaturate();
+    const std::uint8_t enough = counts.hitsToSaturate();
     std::size_t changes = 0;
     interleave(runs, [&](std::size_t, std::size_t run) {
         if (offsets_[run] == ScanCounts<Dim>::kNoOffset) return;
         std::uint8_t& hits = arena[offsets_[run]];
-        const bool change = hits < sure;
+        const bool change = hits < enough;
         changes += change;
         if (branches == Branches::none || change)
-            hits = ScanCounts<Dim>::saturatingAdd(hits, starts[run + 1] - starts[run]);
+            hits = ScanCounts<Dim>::saturatingAdd(hits, runStarts[run + 1] - runStarts[run]);
     });
     return changes;
 }

@@ -1,7 +1,8 @@
 #pragma once
 // Hits of a scan's rays, run by run.
 
-#include "kernels/walk_kernel.h"
+#include "counting/scan_counts.h"
+#include "directions/classified_batch.h"
 #include "threads/branch_choice.h"
 
 #include <array>
@@ -9,26 +10,27 @@
 
 namespace superray {
 
-/// Counts hits in a batch, as far as more of them may change something.
+/// Counts the hits of classified rays, each run of rays that end in one cell at once. Stops at
+/// the number of hits that saturates a cell.
 template <int Dim>
 class HitCounter {
  public:
-    /// Counts the hits of some rays from `first` on, at most ClassifiedBatch::kMost.
-    /// \param directions of these rays
-    /// \param starts where runs of rays begin that end alike; one more: where the last ends
+    /// Counts the hits of a batch.
+    /// \param first ray of the scan that the batch begins with
+    /// \param runStarts where runs begin, and one more: where the last one ends
     void count(ScanCounts<Dim>& counts, const RayBundle<Dim>& rays, std::size_t first,
-               const ClassifiedBatch<Dim>& directions, const std::uint32_t* starts,
+               const ClassifiedBatch<Dim>& batch, const std::uint32_t* runStarts,
                std::size_t runs);
 
  private:
     void findOffsets(ScanCounts<Dim>& counts, const RayBundle<Dim>& rays, std::size_t first,
-                     const ClassifiedBatch<Dim>& directions, const std::uint32_t* starts,
+                     const ClassifiedBatch<Dim>& batch, const std::uint32_t* runStarts,
                      std::size_t runs);
     template <Branches branches>
-    std::size_t countInterleaved(ScanCounts<Dim>& counts, const std::uint32_t* starts,
+    std::size_t countInterleaved(ScanCounts<Dim>& counts, const std::uint32_t* runStarts,
                                  std::size_t runs) const;
 
-    /// Per run: where its hits are counted, or ScanCounts::kNoOffset.
+    /// Per run: offset of its end cell in the hit counts, or ScanCounts::kNoOffset.
     std::array<std::uint32_t, ClassifiedBatch<Dim>::kMost> offsets_;
     BranchChoice hitsMatter_;
 };

@@ -1,6 +1,8 @@
 #include "skipping/settled_region.h"
 
+#include "kernels/walk_kernel.h"
 #include "skipping/mask_fill.h"
+#include "tuning.h"
 
 namespace superray {
 
@@ -11,35 +13,35 @@ void SettledRegion<Dim>::reset(const BlockBox<Dim>& box, const SaturationSource<
     limits_ = limits;
     directory_.reset(box);
     blocks_.clear();
-    build_ = 0;
+    growth_ = 0;
 }
 
 template <int Dim>
-void SettledRegion<Dim>::build(const Cell<Dim>& sensor, const ScanCounts<Dim>& counts,
-                               DirectionRanges<Dim>& ranges, std::uint64_t mostWork) {
+Boundary SettledRegion<Dim>::grow(const Cell<Dim>& sensor, const ScanCounts<Dim>& counts,
+                                  DirectionRanges<Dim>& ranges, std::uint64_t mostWork) {
+    Marker marker(ranges);
+    marker_ = &marker;
     counts_ = &counts;
-    ranges_ = &ranges;
-    ++build_;
+    ++growth_;
     work_ = 0;
     mostWork_ = mostWork;
     queue_.clear();
     visited_.clear();
-    ranges.clear();
-    const std::uint32_t first = blockAt(blockOf<Dim>(sensor));
-    enter(blocks_[first]);
+    const std::uint32_t home = blockAt(blockOf<Dim>(sensor));
+    enter(blocks_[home]);
     const int at = indexInBlock<Dim>(sensor);
-    if (!blocks_[first].settled.test(at)) {
-        ranges.markAll();
-        return;
+    if (!blocks_[home].settled.test(at)) {
+        marker.markAll();
+        return {false, work_};
     }
-    blocks_[first].reached.set(at);
-    queue_.push_back(first);
+    blocks_[home].reached.set(at);
+    queue_.push_back(home);
     for (std::size_t i = 0; i < queue_.size(); ++i) spread(queue_[i]);
     for (const std::uint32_t id : visited_) mark(blocks_[id]);
-    ranges.completeUnsettled();
+    return {true, work_};
 }
 
-/// Number of a block, which is made on first use.
+/// Id of a block, which is made on first use.
 template <int Dim>
 std::uint32_t SettledRegion<Dim>::blockAt(const BlockKey<Dim>& key) {
     std::uint32_t id = directory_.id(key);
@@ -52,22 +54,23 @@ std::uint32_t SettledRegion<Dim>::blockAt(const BlockKey<Dim>& key) {
     return id - 1;
 }
 
-/// Prepares a block that this build has not come to before.
+/// Prepares a block that this growth has not come to before.
 /// \return false if no ray gets there
 template <int Dim>
 bool SettledRegion<Dim>::enter(Block& block) {
-    if (block.build == build_) return block.relevant;
-    block.relevant = ranges_->sees(block.key);
-    block.build = build_;
+    if (block.growth == growth_) return block.relevant;
+    block.relevant = marker_->ranges().sees(block.key);
+    block.growth = growth_;
     block.queued = false;
     block.reached = block.boundary = block.marked = {};
     if (!block.relevant) return false;
     findSettled(block);
     visited_.push_back(static_cast<std::uint32_t>(&block - blocks_.data()));
-    work_ += 40;
+    work_ += SkippingCosts::kVisitBlock;
     return true;
 }
 
+/// Finds the settled cells of a block. The map is asked once per scan.
 template <int Dim>
 void SettledRegion<Dim>::findSettled(Block& block) {
     static const AtLeast<Dim> atLeast = bestKernels<Dim>().atLeast;
@@ -83,17 +86,17 @@ void SettledRegion<Dim>::findSettled(Block& block) {
     for (int w = 0; w < BlockMask<Dim>::kWords; ++w) block.settled.words[w] |= missed.words[w];
 }
 
-/// Spreads the region in a block and to its neighbours.
+/// Spreads the region inside a block, and to its neighbours.
 template <int Dim>
 void SettledRegion<Dim>::spread(std::uint32_t id) {
     blocks_[id].queued = false;
     {
         Block& block = blocks_[id];
         fill<Dim>(block.reached, block.settled);
-        work_ += 40;
+        work_ += SkippingCosts::kSpreadInBlock;
         mark(block);
     }
-    // pass() may make blocks, which moves them all.
+    // Copies: pass() may make blocks, which moves all of them.
     const BlockMask<Dim> reached = blocks_[id].reached;
     const BlockKey<Dim> key = blocks_[id].key;
     for (int a = 0; a < Dim; ++a) {
@@ -106,14 +109,15 @@ void SettledRegion<Dim>::spread(std::uint32_t id) {
     }
 }
 
-/// The region has come to these cells of a block.
+/// Continues the region in a neighbouring block.
+/// \param cells of that block, beside cells of the region
 template <int Dim>
 void SettledRegion<Dim>::pass(const BlockKey<Dim>& to, const BlockMask<Dim>& cells) {
     const std::uint32_t id = blockAt(to);
     Block& block = blocks_[id];
-    if (work_ > mostWork_ && block.build != build_) {
-        // Whatever is settled there, the region ends here.
-        if (ranges_->sees(to)) ranges_->markBoundary(to, cells);
+    if (work_ > mostWork_ && block.growth != growth_) {
+        // The region ends here, whether these cells are settled or not.
+        if (marker_->ranges().sees(to)) marker_->mark(to, cells);
         return;
     }
     if (!enter(block)) return;
@@ -129,7 +133,7 @@ void SettledRegion<Dim>::pass(const BlockKey<Dim>& to, const BlockMask<Dim>& cel
     queue_.push_back(id);
 }
 
-/// Notes the boundary cells of a block that are not noted yet.
+/// Marks the boundary cells of a block that are not marked yet.
 template <int Dim>
 void SettledRegion<Dim>::mark(Block& block) {
     const BlockMask<Dim> beside = dilated<Dim>(block.reached);
@@ -141,8 +145,9 @@ void SettledRegion<Dim>::mark(Block& block) {
         block.marked.words[w] |= fresh.words[w];
     }
     if (!fresh.any()) return;
-    ranges_->markBoundary(block.key, fresh);
-    work_ += 8 * static_cast<std::uint64_t>(fresh.count()) + 100;
+    marker_->mark(block.key, fresh);
+    work_ += SkippingCosts::kMarkCell * static_cast<std::uint64_t>(fresh.count()) +
+             SkippingCosts::kMarkBlock;
 }
 
 template class SettledRegion<2>;

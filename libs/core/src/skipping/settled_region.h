@@ -1,56 +1,62 @@
 #pragma once
-// The settled region of a scan: what the culling region is to a map, seen from
-// every direction.
+// The settled cells around the sensor, and their boundary.
 
-#include "counting/saturation_limits.h"
-#include "kernels/walk_kernel.h"
 #include <superray/core/saturation_source.h>
 
+#include "counting/saturation_limits.h"
+#include "counting/scan_counts.h"
 #include "skipping/direction_ranges.h"
 
-#include <memory>
 #include <vector>
 
 namespace superray {
 
-/// A cell is settled if more misses change nothing: the map is saturated free
-/// there, this scan has missed it often enough, or has hit it so often that its
-/// misses do not matter. The region is all settled cells that are connected with
-/// the sensor's cell by faces. Cells beside it are open.
+/// What growing the region came to. The boundary cells themselves are in the ranges.
+struct Boundary {
+    bool sensorCellSettled = false;  ///< if not, every ray matters from its first slice on
+    std::uint64_t work = 0;          ///< of growing [visits], see SkippingCosts
+};
+
+/// All settled cells that are connected with the sensor's cell by faces.
 ///
-/// The cells of a ray before its first boundary cell are settled, and each is beside
-/// the next. So they are in the region, and that boundary cell is beside it: what rays
-/// have to tell begins at the boundary cells beside the region, wherever they are.
+/// A cell is settled if another miss cannot change it in this scan: the map is saturated free
+/// there, or the scan has missed it often enough, or has hit it so often that misses do not
+/// matter. A boundary cell is one that is not settled and shares a face with the region.
+///
+/// Why this is enough: the cells of a ray, in order, share faces. Those before its first cell
+/// that is not settled are settled, the first of them is the sensor's cell, so all of them
+/// are in the region, and that first cell is a boundary cell. So no ray can change the map
+/// before it meets a boundary cell.
+///
+///     sensor . . . . . # x x x        .  settled, in the region   #  boundary cell
+///            . . . # # x x x x        x  anything: not looked at
 template <int Dim>
 class SettledRegion {
  public:
-    /// Begins a scan.
+    /// Forgets the last scan.
+    /// \param box blocks of the scan
     /// \param map nullptr: none; must outlive the scan
     void reset(const BlockBox<Dim>& box, const SaturationSource<Dim>* map,
                const SaturationLimits& limits);
 
-    /// Finds the region, nearest blocks first, and notes in the ranges the open
-    /// cells beside it that rays reach.
-    /// \param mostWork where about so much work is done, the region ends: the cells
-    ///        beside it are noted as if they were open
-    void build(const Cell<Dim>& sensor, const ScanCounts<Dim>& counts,
-               DirectionRanges<Dim>& ranges, std::uint64_t mostWork);
-
-    /// Whether the last build() found the sensor's own cell open.
-    bool empty() const { return visited_.empty() || !blocks_[visited_[0]].reached.any(); }
-
-    /// Work of the last build(), about as many times as long as visiting a cell
-    /// of a ray.
-    std::uint64_t work() const { return work_; }
+    /// Grows the region anew from the sensor's cell, block by block, nearest first, and marks
+    /// the boundary cells that rays reach in the ranges. Marks of an earlier call are dropped.
+    /// \param counts misses and hits of the scan so far
+    /// \param mostWork where about so much work [visits] is done, the region ends: the cells
+    ///        beside it are marked, settled or not
+    Boundary grow(const Cell<Dim>& sensor, const ScanCounts<Dim>& counts,
+                  DirectionRanges<Dim>& ranges, std::uint64_t mostWork);
 
  private:
+    using Marker = typename DirectionRanges<Dim>::Marker;
+
     struct Block {
         BlockKey<Dim> key;
         BlockMask<Dim> settled, reached, boundary;
-        BlockMask<Dim> marked;    // of `open`, in the ranges
-        std::uint32_t build = 0;  // the last one that came here
+        BlockMask<Dim> marked;     // of the boundary
+        std::uint32_t growth = 0;  // the last one that came here
         bool queued = false, relevant = false;
-        bool knowsMap = false;  // what of the map follows:
+        bool knowsMap = false;  // whether the next member is set
         BlockSaturation<Dim> inMap;
     };
 
@@ -61,15 +67,17 @@ class SettledRegion {
     void pass(const BlockKey<Dim>& to, const BlockMask<Dim>& cells);
     void mark(Block& block);
 
-    BlockDirectory<Dim> directory_;  // block -> 1 + number
-    std::vector<Block> blocks_;
+    BlockDirectory<Dim> directory_;  // block -> 1 + id
+    std::vector<Block> blocks_;      // by id
     std::vector<std::uint32_t> queue_, visited_;
-    std::uint32_t build_ = 0;
-    std::uint64_t work_ = 0, mostWork_ = 0;
-    const ScanCounts<Dim>* counts_ = nullptr;
     SaturationLimits limits_;
     const SaturationSource<Dim>* map_ = nullptr;
-    DirectionRanges<Dim>* ranges_ = nullptr;
+
+    // Of the grow() that runs, or ran last.
+    std::uint32_t growth_ = 0;
+    std::uint64_t work_ = 0, mostWork_ = 0;
+    const ScanCounts<Dim>* counts_ = nullptr;
+    Marker* marker_ = nullptr;
 };
 
 }  // namespace superray

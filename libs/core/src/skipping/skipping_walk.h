@@ -1,103 +1,84 @@
 #pragma once
-// Method `auto`: each ray is walked from where it has something to tell, as far as
-// the map and the rays before it leave something to be told.
+// Method `auto`: walks each ray only from where it may still change the map.
 
-#include "kernels/walk_kernel.h"
-#include "skipping/hit_counter.h"
+#include "skipping/lane_walker.h"
+#include "skipping/ray_classifier.h"
 #include "skipping/ray_sample.h"
 #include "skipping/settled_region.h"
-#include "threads/work_queue.h"
+#include "tuning.h"
 
-#include <array>
 #include <memory>
 #include <vector>
 
 namespace superray {
 
-/// Whether some rays of a part are walked before the others, to spare them what these
-/// saturate.
-enum class Sampling { never, whereItMayRepay };
-
-/// A scan, and what a walk must know of the map.
-template <int Dim>
-struct SkippingScan {
-    const RayBundle<Dim>& rays;        ///< with the common origin; must outlive the walk
-    const SaturationSource<Dim>* map;  ///< nullptr: none; must outlive the walk
-    SaturationLimits limits;
-    Sampling sampling;
-};
-
-/// Slices that were left to walk of all rays where a sample might repay, before and after it.
+/// Slices that all rays of a chunk had left to walk, before and after a sample. Zero if no
+/// sample could have paid.
 struct SampleEffect {
     double before = 0, after = 0;
 };
 
-/// One thread's part of a scan: begin(), walk(), end(); then it may help others.
+/// What a chunk took, for statistics and for the chunks of the next scan.
+struct ChunkReport {
+    double work = 0;  ///< slices to walk, whoever walked them, or what takes as long
+    SampleEffect sample;
+};
+
+/// One thread's part of a scan by empty-space skipping (doc/glossary.md has a picture).
+///
+/// Most cells that a ray passes are settled: another miss cannot change them. Those next to
+/// the sensor form one connected region, and only its boundary cells are worth a visit.
+///
+///   1 classify   direction bin and last slice of each ray; hits are counted on the way
+///   2 build      per bin, the farthest end cell: the DirectionRanges
+///   3 grow       the settled region around the sensor; its boundary cells that rays reach
+///                are marked in the ranges, with the first slice in which they are met
+///   4 sample     where it pays, some rays are walked first, and the region is grown again
+///   5 select     rays that pass a marked sub-bin at or before their end
+///   6 walk       these, from their bin's first slice on; idle threads take pieces
+///
+/// Buffers are kept from scan to scan.
 template <int Dim>
 class SkippingWalk {
  public:
-    /// Others may help from now on, until end(). \pre state.reset() was called
-    void begin(const SkippingScan<Dim>& scan, ScanCounts<Dim>& counts);
+    /// Counts what the rays of a chunk may change, into `counts`.
+    /// \pre counts.reset() was called for the scan
+    ChunkReport run(const SkippingScan<Dim>& scan, RayChunk chunk, ScanCounts<Dim>& counts);
 
-    /// Counts what the rays [first, last) have to tell. Once between begin() and end().
-    void walk(std::size_t first, std::size_t last);
+    /// Chosen rays of this chunk, for threads that have nothing else to do.
+    SharedJob<Dim>& shared() { return *shared_; }
+    /// Walks pieces of another chunk, until none will come. \pre run() returned
+    void help(SharedJob<Dim>& other);
 
-    /// The walk is over (also where an exception ends it).
-    void end() noexcept { queue_->finish(); }
-
-    /// Counts some of what another's rays have to tell, until it is done; nothing if it has
-    /// not begun. \pre both are of one scan; this one is done
-    void help(SkippingWalk& other);
-
-    /// Rays that were cut short or left out, since begin().
-    std::uint64_t culled() const { return culled_; }
-    const SampleEffect& sampleEffect() const { return sampleEffect_; }
-    /// How much there was to do for the rays of walk(), whoever did it: slices to walk,
-    /// or what takes as long.
-    double work() const { return work_; }
+    /// Rays that this thread walked in full, since run().
+    std::uint64_t walkedInFull() const { return walker_.walkedInFull(); }
 
  private:
-    // Numbers of rays are among the part that walk() is at; `count` is its size.
-    void chooseBins(std::size_t first, std::size_t last);
-    void classifyRays(std::size_t count);
-    void growRegion(std::size_t count);
-    void settleSensorCell(std::size_t count);
-    void sample(std::size_t count);
-    double slicesLeft(std::size_t count) const;
-    bool worthGrowing(double slices) const;
-    std::size_t walkSample(const std::vector<std::uint32_t>& rays);
-    void addWork(std::size_t chosen, std::size_t oneOf);
-    void walkLast(std::size_t count);
-    void walkChosen(const SkippingWalk& owner, WorkPiece piece);
-    void walkWaiting();
-    void walkUnclassified(std::size_t ray);
-    void walkLanes(RayLanes& lanes, WalkRays<Dim> kernel);
+    /// The chunk that run() is at.
+    struct Stage {
+        const SkippingScan<Dim>& scan;
+        RayChunk chunk;
+        ScanCounts<Dim>& counts;
+        ChunkReport& report;
+    };
 
-    const RayBundle<Dim>* rays_ = nullptr;
-    ScanCounts<Dim>* counts_ = nullptr;
-    WalkKernels<Dim> kernels_;
-    Units<Dim> origin_{};
-    std::size_t first_ = 0;  // ray that the part begins with
-    DirectionBins<Dim> bins_;
-    ClassifiedBatch<Dim> directions_;
-    std::array<std::uint32_t, ClassifiedBatch<Dim>::kMost + ClassifiedBatch<Dim>::kSlack>
-        starts_;  // of runs in there
-    HitCounter<Dim> hitCounter_;
-    Sampling sampling_{};
-    SampleEffect sampleEffect_;
-    ScratchArray<std::uint32_t> subBin_;     // per ray
-    ScratchArray<std::uint16_t> lastSlice_;  // per ray
-    ScratchArray<std::uint32_t> chosen_;     // rays to walk, in turns with others
-    // A few rays, and more of them, which the first ones spare much of their way.
-    static constexpr double kFirstSample = 1.0 / 148, kWholeSample = 4.0 / 37;
-    RaySample firstSample_{0, kFirstSample}, sample_{kFirstSample, kWholeSample};
-    std::unique_ptr<WorkQueue> queue_ = std::make_unique<WorkQueue>();
+    Boundary grow(const Stage& stage);
+    Boundary sample(const Stage& stage, Boundary boundary);
+    double slicesLeft() const;
+    std::size_t walkSample(const Stage& stage, const std::vector<std::uint32_t>& rays);
+    void addWork(ChunkReport& report, std::size_t chosen, std::size_t every) const;
+    std::size_t select(const Stage& stage);
+    void walk(const Stage& stage, std::size_t chosen);
+
+    RayClassifier<Dim> classifier_;
+    ClassifiedRays<Dim> rays_;
     DirectionRanges<Dim> ranges_;
     SettledRegion<Dim> region_;
-    // Rays that wait for others, per sector: those with many, with few slices left.
-    std::array<std::array<RayLanes, 2>, DirectionBins<Dim>::kSectors> waiting_;
-    std::uint64_t culled_ = 0;
-    double work_ = 0;
+    RaySample smallSample_{0, SkippingCosts::kSmallSample};
+    RaySample sample_{SkippingCosts::kSmallSample, SkippingCosts::kBothSamples};
+    ScratchArray<std::uint32_t> chosen_;
+    LaneWalker<Dim> walker_;
+    std::unique_ptr<SharedJob<Dim>> shared_ = std::make_unique<SharedJob<Dim>>();
 };
 
 }  // namespace superray

@@ -1,5 +1,5 @@
 #pragma once
-// A list that its owner works off, helped by threads that have nothing else to do.
+// A list that its owner works off in pieces, with the help of idle threads.
 
 #include <algorithm>
 #include <atomic>
@@ -10,37 +10,48 @@
 
 namespace superray {
 
-/// Some of a list: [begin, end).
+/// Elements [begin, end) of a list.
 struct WorkPiece {
     std::size_t begin, end;
 };
 
+/// Hands out the pieces of its owner's lists, each piece once. Lock-free.
 class WorkQueue {
  public:
-    /// By the owner: a list of `size` things is there to be worked off. What it
-    /// published before must be taken. \pre size < 2^32
+    /// The time in which helpers wait for pieces. Ends with its scope, also by an exception.
+    class Round {
+     public:
+        explicit Round(WorkQueue& queue) : queue_(queue) {
+            queue_.left_.store(0, std::memory_order_relaxed);
+            queue_.running_.store(true, std::memory_order_release);
+        }
+        ~Round() { queue_.running_.store(false, std::memory_order_release); }
+        Round(const Round&) = delete;
+        Round& operator=(const Round&) = delete;
+
+     private:
+        WorkQueue& queue_;
+    };
+
+    /// Offers a list of `size` elements. What the owner wrote before is visible to whoever
+    /// takes a piece. \pre called by the owner; the list before is taken; size < 2^32
     void publish(std::size_t size) { left_.store(size, std::memory_order_release); }
-    /// By anyone: some things that are left; nothing when all are taken.
+
+    /// The next piece; nothing when all are taken.
     std::optional<WorkPiece> take() {
         std::uint64_t now = left_.load(std::memory_order_relaxed);
         for (;;) {
             const std::uint64_t begin = now >> 32, end = now & 0xFFFFFFFF;
             if (begin == end) return std::nullopt;
-            const std::uint64_t next = std::min(begin + kAtOnce, end);
+            const std::uint64_t next = std::min(begin + kPiece, end);
             if (left_.compare_exchange_weak(now, next << 32 | end, std::memory_order_acquire,
                                             std::memory_order_relaxed))
                 return WorkPiece{begin, next};
         }
     }
 
-    /// By the owner: there will be lists, and nothing is left of earlier ones; there
-    /// will be no more, and all is taken (unless the owner failed).
-    void start() {
-        left_.store(0, std::memory_order_relaxed);
-        running_.store(true, std::memory_order_release);
-    }
-    void finish() { running_.store(false, std::memory_order_release); }
-    /// By others: work(piece) as long as there will be lists.
+    /// Calls work(piece) for pieces, until the owner's round is over. Does nothing if there
+    /// is no round.
     template <typename Work>
     void help(const Work& work) {
         while (running_.load(std::memory_order_acquire)) {
@@ -50,8 +61,8 @@ class WorkQueue {
     }
 
  private:
-    /// Small enough to share evenly, large enough to seldom meet.
-    static constexpr std::uint64_t kAtOnce = 512;
+    /// Elements per piece: few enough to spread evenly, enough to make contention rare.
+    static constexpr std::uint64_t kPiece = 512;
 
     std::atomic<std::uint64_t> left_{0};  // begin << 32 | end
     std::atomic<bool> running_{false};
