@@ -3,6 +3,7 @@
 // random numbers are made here, and no function of the mathematics library takes
 // part but the logarithms of the sensor model.
 
+#include <superray/core/reference_mapper.h>
 #include <superray/core/scan_integrator.h>
 #include <superray/storage/block_grid.h>
 #include <superray/storage/octree.h>
