@@ -8,8 +8,8 @@
 #include <superray/eval/scan_source.h>
 #include <superray/eval/trajectory.h>
 
-#include "eval/sources/pose_matchers.h"
 #include "eval/recorded_scans.h"
+#include "eval/sources/pose_matchers.h"
 #include "eval/temp_folder.h"
 
 namespace superray {

@@ -10,8 +10,8 @@
 
 #include <cstring>
 
-#include "eval/sources/pose_matchers.h"
 #include "eval/recorded_scans.h"
+#include "eval/sources/pose_matchers.h"
 #include "eval/temp_folder.h"
 
 namespace superray {

@@ -7,8 +7,8 @@
 
 #include <thread>
 
-#include "matching/likelihood.h"
 #include "maps/test_scans.h"
+#include "matching/likelihood.h"
 
 namespace superray {
 namespace {

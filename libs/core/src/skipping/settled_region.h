@@ -2,9 +2,9 @@
 // The settled region of a scan: what the culling region is to a map, seen from
 // every direction.
 
+#include <superray/core/saturation_source.h>
 #include "counting/saturation_limits.h"
 #include "kernels/walk_kernel.h"
-#include <superray/core/saturation_source.h>
 
 #include "skipping/direction_ranges.h"
 

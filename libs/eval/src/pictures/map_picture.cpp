@@ -297,7 +297,8 @@ CImage drawMap(const OccupancyMap<3>& map, const SensorModel& model,
     drawScaleBar(image, 0, obliqueWidth, perMetre(oblique), white);
     drawScaleBar(image, obliqueWidth, planWidth, perMetre(plan), white);
     drawHeightLegend(image, scene);
-    image.filledRectangle(obliqueWidth, 0, obliqueWidth, options.height - 1, TColor(60, 66, 78));
+    image.filledRectangle(obliqueWidth, 0, obliqueWidth, options.height - 1,
+                          TColor(60, 66, 78));
     return image;
 }
 

@@ -27,8 +27,7 @@ std::string readFailure(CompressedInput& file, const std::exception& error) {
     return atEnd ? "the file ends inside an object" : oneLineCause(error);
 }
 
-ObjectReader::ObjectReader(const std::string& path)
-    : path_(path), file_(openInput(path)) {}
+ObjectReader::ObjectReader(const std::string& path) : path_(path), file_(openInput(path)) {}
 
 CSerializable::Ptr ObjectReader::next() {
     while (pending_.empty()) {

@@ -3,10 +3,10 @@
 /// All that Octree and Quadtree do, over the nodes of either.
 
 #include "tree/saturation_cache.h"
-#include "values/saturation_clamp.h"
 #include "tree/tree_apply.h"
 #include "tree/tree_read.h"
 #include "tree/tree_update.h"
+#include "values/saturation_clamp.h"
 #include "values/value_rules.h"
 
 #include <superray/storage/occupancy_map.h>
