@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # find_package(superray [COMPONENTS core storage maps eval slam]).
 include(CMakePackageConfigHelpers)
 set(superray_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/superray)

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Gates on the sources: check.sh [--quick]
 #   --quick  formatting, includes and the licence line only (what the commit hook runs);
 #            else also a project that uses superray::core and superray::storage alone

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # A project that links superray::core and superray::storage alone configures, builds and
 # runs where MRPT and Google Benchmark are not found: consumer_core.sh [WORK_FOLDER]
 set -euo pipefail

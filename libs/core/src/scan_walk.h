@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // The walks of a scan, shared out to threads. Each share counts for itself;
 // saturating sums make the total independent of how rays were shared out.

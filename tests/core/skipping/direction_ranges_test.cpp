@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What walks from the ranges rest on: no bin misses an boundary cell, and nothing that
 // matters is before the ranges.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A list that its owner works off, helped by others.
 
 #include "threads/work_queue.h"

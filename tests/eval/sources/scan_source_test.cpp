@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The formats other than rawlogs: simplemaps, OctoMap scan graphs, KITTI folders.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The field equals brute force, after every change, at the cost of the change.
 
 #include "queries/distance_field.h"

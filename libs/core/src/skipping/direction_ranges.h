@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // The ranges of a scan: for each bin of directions, how far rays get there, and
 // from where on they have something to tell.

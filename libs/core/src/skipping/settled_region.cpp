@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "skipping/settled_region.h"
 
 #include "skipping/mask_fill.h"

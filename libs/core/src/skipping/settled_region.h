@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // The settled region of a scan: what the culling region is to a map, seen from
 // every direction.

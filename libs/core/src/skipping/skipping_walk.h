@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Method `auto`: each ray is walked from where it has something to tell, as far as
 // the map and the rays before it leave something to be told.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "sources/object_reader.h"
 
 #include <mrpt/obs/CRawlog.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file tree_storage.h
 /// All that Octree and Quadtree do, over the nodes of either.

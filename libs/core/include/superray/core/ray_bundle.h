@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file ray_bundle.h
 /// A scan as a value: origins and end points in the map frame, cut to range.
