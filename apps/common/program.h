@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file program.h
 /// What our programs share: subcommands, --version, and errors in one line.

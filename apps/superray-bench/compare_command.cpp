@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/bench_compare.h>
 #include <superray/eval/map_output.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "input_options.h"
 
 #include <superray/eval/bench_engine.h>

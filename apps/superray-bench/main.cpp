@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // superray-bench: how fast, how exact and how large, next to others.
 
 #include "commands.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/map_output.h>
 #include <superray/eval/progress_meter.h>
 #include <superray/maps/map_factory.h>

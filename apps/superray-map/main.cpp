@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // superray-map: maps from recorded scans, at the command line.
 
 #include "commands.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/slam/trajectory_error.h>
 
 #include <iostream>

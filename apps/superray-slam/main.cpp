@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // superray-slam: trajectory and map from range scans without poses.
 
 #include "commands.h"

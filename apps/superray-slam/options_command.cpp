@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/slam/slam_options.h>
 
 #include <iostream>

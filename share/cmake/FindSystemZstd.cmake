@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # superray_zstd: the installed libzstd. Its own package file exists on some Debian
 # releases only, and names its targets differently in others.
 find_path(ZSTD_INCLUDE_DIR zstd.h)

@@ -1,4 +1,5 @@
-# find_package(superray) support: targets superray::core, ::storage, ::maps.
+# SPDX-License-Identifier: BSD-3-Clause
+# find_package(superray [COMPONENTS core storage maps eval slam]).
 include(CMakePackageConfigHelpers)
 set(superray_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/superray)
 
@@ -22,5 +23,7 @@ install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/share/examples/
 
 # Installed anywhere, the programs find the library beside them.
 file(RELATIVE_PATH superray_bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
-set_target_properties(superray-map superray-bench superray-slam-app
-                      PROPERTIES INSTALL_RPATH "\$ORIGIN/${superray_bin_to_lib}")
+if(SUPERRAY_BUILD_APPS)
+  set_target_properties(superray-map superray-bench superray-slam-app
+                        PROPERTIES INSTALL_RPATH "\$ORIGIN/${superray_bin_to_lib}")
+endif()

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Debian packages (share/scripts/package.sh builds them):
 #   superray         the plugin, the programs, their man pages, configuration files
 #   libsuperray-dev  headers, static libraries, find_package(superray)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Shared settings of this project's targets: strict warnings and bit-exact
 # floating point, both PRIVATE so that users' builds are untouched.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Makes Markdown tables of what superray-bench wrote.
 
   benchmark_tables.py RESULT.json... > tables.md

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Runs the protocol of doc/benchmarks.md: benchmarks.sh [OPTIONS]
 #   --out DIR        where the results go; default ./benchmarks-out
 #   --data DIR       recordings; rgbd_room.rawlog, ouster_hall.rawlog and

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Checks that includes run downward only: check_includes.py [ROOT]
 
 Between libraries: core <- storage <- maps <- eval <- slam <- apps. Inside a library

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Compiles libs/maps against the headers of another MRPT, without making anything:
 #   check_mrpt3_headers.sh HEADERS_DIR [FILE...]
 #   HEADERS_DIR  a source tree of MRPT 3 (modules/mrpt_*/include), an installed one

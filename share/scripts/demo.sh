@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Maps real scans: demo.sh [OUTDIR]     (OUTDIR: default ./out)
 # Uses the recorded scans that Debian's mrpt-common ships. Installs what is
 # missing, builds, and leaves maps, an OctoMap file, 3D scenes and pictures.

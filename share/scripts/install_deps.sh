@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Installs the Debian packages that building, testing and the demo need, and
 # only those that are missing. Does nothing, and needs no network and no rights,
 # when all are there: install_deps.sh [--packaging]

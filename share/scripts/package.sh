@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Builds the Debian packages of this release: package.sh [OUTDIR]   (default: ./packages)
 # Installs what building needs.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Prints one line "NAME DIGEST" per map, made by the programs of a build:
 #
 #   release_digests.sh [--build DIR] [--data DIR]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Lists the tests that were skipped, each with the reason: skipped_tests.py LastTest.log
 
 The log is what ctest leaves in Testing/Temporary. Reads what GoogleTest prints of

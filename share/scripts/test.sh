@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Builds everything and runs all tests: test.sh [PRESET]
 #   PRESET  a preset of CMakePresets.json; default: release
 set -euo pipefail

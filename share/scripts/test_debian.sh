@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Does what a new user does, in a fresh root of a Debian release:
 #
 #   test_debian.sh RELEASE [--user] [--packages] [--keep DIR]

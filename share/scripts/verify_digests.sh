@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Checks that every way to build a map gives the same map, on whole recordings:
 # all methods, 1 and 2 threads, both 3D classes. Long; run by hand:
 #

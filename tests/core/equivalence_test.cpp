@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Every method, policy and number of threads against the reference mapper, bit
 // for bit, over scans that follow each other into the same map.
 

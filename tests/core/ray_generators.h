@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Seeded rays for equivalence tests: random ones, and those that break walks.
 

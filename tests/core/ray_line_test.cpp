@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The digital line and the walk along it: cells by hand, geometry, and the
 // reference walk, in both dimensions.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The program itself: what it writes, prints and returns.
 
 #include <gtest/gtest.h>

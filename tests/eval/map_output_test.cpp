@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is written about maps and from them: info, exports, pictures.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file recorded_scans.h
 /// Small recordings made by the tests: known points, known poses.

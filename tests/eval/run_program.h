@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file run_program.h
 /// Runs one of our programs as a shell does.

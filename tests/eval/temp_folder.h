@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file temp_folder.h
 /// A folder of a test's own, gone when the test ends.

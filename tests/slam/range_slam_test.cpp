@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A walk through a synthetic room: trajectory, key frames, priors.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A scan of a synthetic room finds its pose again.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // superray-slam on real recordings, without their poses: the accuracy that we
 // promise. The recordings may not be redistributed.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // superray-slam as a shell runs it.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Options of SLAM: strict reading, and the configuration files that we ship.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // A room of 8 m x 6 m x 3 m with a cupboard, seen by a rotating lidar.
 

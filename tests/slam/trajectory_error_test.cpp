@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Errors of trajectories whose answers can be worked out by hand.
 
 #include <gtest/gtest.h>

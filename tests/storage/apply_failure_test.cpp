@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // When memory runs out in the middle of an update, the map stays whole, and every block
 // is as it was or as it should become.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Digests of maps of generated scans, as recorded: any processor and any compiler
 // must make the same maps, bit for bit. What they depend on is exact everywhere:
 // random numbers are made here, and no function of the mathematics library takes

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The contract of OccupancyMap, checked on every storage.
 
 #include "storage/storage_test_tools.h"

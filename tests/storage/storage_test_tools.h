@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file storage_test_tools.h
 /// Random batches, and the oracle that every storage is held to.

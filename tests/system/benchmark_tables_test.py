@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """benchmark_tables.py makes tables of what superray-bench wrote."""
 
 import json

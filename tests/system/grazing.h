@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file grazing.h
 /// How far a ray reaches into a cell, or misses it by: plain geometry in long

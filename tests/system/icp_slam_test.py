@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Stock icp-slam builds our maps when the plugin is preloaded."""
 
 import unittest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """An installed superray is found and used by other projects; so is the example."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Stock observations2map builds all four map classes when the plugin is preloaded."""
 
 import unittest

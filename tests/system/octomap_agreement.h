@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file octomap_agreement.h
 /// Maps the same scans with this library and with liboctomap, ray by ray.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Agreement with liboctomap: the same cells and values, except for cells that
 // a ray merely grazes (OctoMap walks with directions in single precision).
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Installs the packages in a system that has nothing of superray, and uses them as a
 # user does: packages_test.sh DIR     (changes the system: for a fresh root)
 set -euo pipefail

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Stock pf-localization and rbpf-slam with a map of ours and no other."""
 
 import re

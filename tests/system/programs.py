@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Runs programs for the system tests.
 
 What to test comes from the environment:

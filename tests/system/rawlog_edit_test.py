@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Stock rawlog-edit with the plugin (-p), and maps of what it writes."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The .ini files of share/examples/sensors, with scans of such sensors."""
 
 import re

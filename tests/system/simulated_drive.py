@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A drive with exactly known poses, made by stock MRPT programs.
 
 icp-slam drives the recorded loop with our points map as its only map; that map,

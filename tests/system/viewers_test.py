@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Stock SceneViewer3D and RawLogViewer with the plugin (-l), driven by mouse and keys.
 
 The windows open in a virtual screen (xvfb-run); where that, xdotool or ImageMagick's

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file kernel_data.h
 /// Scans and maps that the kernels work on, made once.

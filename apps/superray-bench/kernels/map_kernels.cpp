@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From the update batch to the map.
 
 #include "kernel_data.h"

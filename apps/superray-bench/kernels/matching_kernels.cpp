@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A scan against a map of it: likelihood, and the pairs of one ICP iteration. MRPT's
 // own maps beside ours (COctoMap has no matching).
 

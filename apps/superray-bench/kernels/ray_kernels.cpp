@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From points to the update batch.
 
 #include <superray/core/culling_region.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Many returns at once into a bundle: apart from the rest of it, as kernels copy them.
 
 #include <superray/core/detail/parallel.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The oracle. Slow and obvious on purpose: it shares with the fast paths only
 // the definition of the digital line (RayLine) and of one cell's update
 // (SensorModel::updated).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "scan_walk.h"
 
 #include <superray/core/detail/parallel.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/config/CConfigFileMemory.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_request.h>

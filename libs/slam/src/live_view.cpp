@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/gui/CDisplayWindow3D.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 #include <superray/eval/input_error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/config/CConfigFileMemory.h>
 #include <superray/maps/option_text.h>
 #include <superray/slam/slam_options.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/storage/occupancy_map.h>
 
 #include <algorithm>

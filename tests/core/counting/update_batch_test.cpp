@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/core/update_batch.h>
 
 #include <gtest/gtest.h>

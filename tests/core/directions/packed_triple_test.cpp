@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "directions/packed_triple.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Kernels of all instruction sets: directions are those of the lines, counts and cells
 // those of the plain walk.
 

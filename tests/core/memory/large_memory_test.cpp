@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Memory of large arrays: it keeps what it holds, and takes no more than is used.
 
 #include <superray/core/detail/large_memory.h>

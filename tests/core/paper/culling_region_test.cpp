@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The culling region against its definition, cell by cell.
 
 #include <superray/core/culling_region.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Super rays: weights add up, merged rays have the same cells for certain,
 // and grouping does happen.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What empty-space skipping rests on: a boundary cell marks the sub-bins of all rays that pass
 // it, and no ray can change the map before its first marked slice.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sets of cells of a block against cell by cell searches.
 
 #include <gtest/gtest.h>

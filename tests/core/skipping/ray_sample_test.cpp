@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "skipping/ray_sample.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Chunks of a scan that are equal work.
 
 #include "threads/load_balancer.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Work shared out to threads.
 
 #include <superray/core/detail/parallel.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A list that its owner works off in pieces, with the help of idle threads.
 
 #include "threads/work_queue.h"

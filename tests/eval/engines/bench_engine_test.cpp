@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The engines of the benchmark: found by name, and each makes the map it should.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file bench_scans.h
 /// Small data for the tests of the benchmark.

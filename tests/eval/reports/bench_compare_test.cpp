@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The comparison: its numbers, its JSON, and that unequal maps do not pass.
 
 #include <gtest/gtest.h>

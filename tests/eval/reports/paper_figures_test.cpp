@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The paper's tables and figures: complete, consistent, drawable.
 
 #include <gtest/gtest.h>

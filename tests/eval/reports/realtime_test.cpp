@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The navigation scenario: who is lost, who tests, and how accuracy is counted.
 
 #include <gtest/gtest.h>

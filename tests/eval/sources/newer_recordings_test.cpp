@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Recordings that MRPT 2.15 wrote, zstd inside: the same maps with every MRPT.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file pose_matchers.h
 /// Poses are compared by their matrices: angles are not unique.

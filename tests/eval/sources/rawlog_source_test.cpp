@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
@@ -8,8 +9,8 @@
 #include <superray/eval/scan_source.h>
 #include <superray/eval/trajectory.h>
 
-#include "eval/sources/pose_matchers.h"
 #include "eval/recorded_scans.h"
+#include "eval/sources/pose_matchers.h"
 #include "eval/temp_folder.h"
 
 namespace superray {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The formats other than rawlogs: simplemaps, OctoMap scan graphs, KITTI folders.
 
 #include <gtest/gtest.h>
@@ -10,8 +11,8 @@
 
 #include <cstring>
 
-#include "eval/sources/pose_matchers.h"
 #include "eval/recorded_scans.h"
+#include "eval/sources/pose_matchers.h"
 #include "eval/temp_folder.h"
 
 namespace superray {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/trajectory.h>

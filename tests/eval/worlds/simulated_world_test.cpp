@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The simulated worlds: what is promised about scans, and the ground truth.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // gzip, zstd and plain files: whole, in pieces, cut anywhere, changed anywhere.
 
 #include <gtest/gtest.h>

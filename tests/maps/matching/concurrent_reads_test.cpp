@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Particle filters of MRPT >= 2.14 ask one map for likelihoods and matches from several
 // threads, about one and the same observation. Made to be run under TSan, too.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Likelihood and matching: the true pose is the best one.
 
 #include <mrpt/maps/COctoMap.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The likelihood finds the true pose in a map of a real room.
 
 #include <mrpt/obs/CObservationRotatingScan.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Point statistics of the cells, and pairs that are as fine as the points.
 
 #include <gtest/gtest.h>

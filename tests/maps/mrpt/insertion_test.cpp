@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Inserting observations: every method and storage gives the same map.
 
 #include <mrpt/config/CConfigFileMemory.h>

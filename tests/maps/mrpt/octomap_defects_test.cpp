@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What goes wrong with MRPT's own COctoMap (2.5.8), each beside our maps, where it
 // does not. A failure of "stock" here means that MRPT has repaired something.
 

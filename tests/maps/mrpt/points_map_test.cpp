@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The occupancy maps that are points maps.
 
 #include <mrpt/config/CConfigFileMemory.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The maps as MRPT's .ini files and registries see them.
 
 #include <mrpt/config/CConfigFile.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Streams, copies and files keep every bit and change nothing.
 
 #include <mrpt/io/CMemoryStream.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Copies share their cells, and nobody can tell but by the clock.
 
 #include <mrpt/io/CMemoryStream.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The field equals brute force, after every change, at the cost of the change.
 
 #include "queries/distance_field.h"
@@ -7,8 +8,8 @@
 
 #include <thread>
 
-#include "matching/likelihood.h"
 #include "maps/test_scans.h"
+#include "matching/likelihood.h"
 
 namespace superray {
 namespace {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Parts of maps, and maps merged with a pose: cell by cell.
 
 #include <superray/maps/CSuperRayGridMap2D.h>

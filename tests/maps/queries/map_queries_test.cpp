@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Questions to a map: against brute force over all cells, and against OctoMap.
 
 #include <octomap/OcTree.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Nearest neighbours equal brute force over the centres of the occupied cells.
 
 #include "queries/neighbor_search.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scans of a moving robot: each ray from where the sensor was at its time.
 
 #include <mrpt/poses/CPose3DInterpolator.h>

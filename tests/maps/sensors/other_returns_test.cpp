@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Point clouds, 2D scans, rotating scans, and what all have in common.
 
 #include <mrpt/io/CFileGZOutputStream.h>

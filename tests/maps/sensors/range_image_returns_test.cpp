@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Depth and range images to points: against the forward camera model, written
 // out here, and against MRPT's own unprojection.
 

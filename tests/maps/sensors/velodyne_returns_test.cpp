@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Raw Velodyne packets: against MRPT's own conversion where that makes a
 // point, at full density, and against hand-made packets.
 

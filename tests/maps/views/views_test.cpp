@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What other programs see of a map: voxels, OctoMap files, PLY, pictures.
 
 #include <mrpt/img/CImage.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The view that follows a map by blocks equals one made afresh.
 
 #include <mrpt/opengl/COctoMapVoxels.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Objects by number: none moves, none is another, and pools take little more than they need.
 
 #include "containers/chunked_pool.h"

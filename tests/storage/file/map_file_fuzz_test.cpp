@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Broken files, thousands of them: an error or the right map, never a crash,
 // and never a map that is half replaced.
 

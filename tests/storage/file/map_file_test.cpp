@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Files: bit-exact round trips, and an error for everything that is not right.
 
 #include "storage/file/map_file_tools.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file map_file_tools.h
 /// The file format a second time, for tests that break it on purpose.

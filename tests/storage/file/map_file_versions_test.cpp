@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Files of every format version there was are read for ever: one per dimension
 // is kept, and must give the cells written here.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The order of blocks in a tree, against bit by bit.
 
 #include "tree/block_order.h"

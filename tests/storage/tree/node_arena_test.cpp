@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Memory of tree nodes: apart, side by side, used again, and not more than needed.
 
 #include "tree/node_arena.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The octree is, node by node, the tree that OctoMap would have built.
 
 #include "storage/tree/octree_test_tools.h"

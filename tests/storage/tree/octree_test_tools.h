@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file octree_test_tools.h
 /// Our octree against OctoMap's, node by node.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Threads change nothing: the same nodes, whoever makes them.
 
 #include "storage/tree/octree_test_tools.h"

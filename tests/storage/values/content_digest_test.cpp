@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The digest depends on the contents of a map and on nothing else.
 
 #include "storage/storage_test_tools.h"

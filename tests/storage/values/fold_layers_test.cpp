@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Every version of the inner loop equals SensorModel::updated(), bit for bit.
 
 #include "values/fold_layers.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/storage/block_grid.h>
 #include <superray/storage/octree.h>
 

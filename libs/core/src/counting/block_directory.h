@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Where a scan's blocks are: block index -> id, dense over the scan's
 // extent, so that a look-up is a multiplication and a load.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Roughly where each ray of a scan goes: in which bin of the ranges, and how far.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // What noting boundary cells in a ranges needs to know of it.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Points into a bundle: what the kernels of an instruction set do.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kernels/compiler.h"
 #include "kernels/walk_kernel.h"
 

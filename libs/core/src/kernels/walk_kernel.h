@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Ray walks into an update batch: one kernel per instruction set, equal cells.
 

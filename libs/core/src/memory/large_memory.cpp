@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/core/detail/large_memory.h>
 
 #include "memory/huge_page_supply.h"

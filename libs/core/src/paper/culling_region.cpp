@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/core/culling_region.h>
 
 #include "counting/block_directory.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // End cells of a share of a scan: how many rays end where, and which of the
 // rays still have something to tell.

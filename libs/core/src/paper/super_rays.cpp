@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/core/block.h>
 #include <superray/core/ray_line.h>
 #include <superray/core/super_rays.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "skipping/direction_ranges.h"
 
 #include "kernels/walk_kernel.h"

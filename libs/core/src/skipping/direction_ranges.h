@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Per direction bin: the farthest end cell, and the first slice that may still change the map.
 

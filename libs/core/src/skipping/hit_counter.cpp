@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "skipping/hit_counter.h"
 
 #include "threads/interleave.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Sets of cells of a block: spreading by faces, rows of 8 cells at a time.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "skipping/settled_region.h"
 
 #include "kernels/walk_kernel.h"

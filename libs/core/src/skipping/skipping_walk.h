@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Method `auto`: walks each ray only from where it may still change the map.
 

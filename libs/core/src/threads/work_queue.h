@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // A list that its owner works off in pieces, with the help of idle threads.
 

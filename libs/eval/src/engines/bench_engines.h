@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file bench_engines.h
 /// The built-in engines, one file each. (A list, because a linker leaves out

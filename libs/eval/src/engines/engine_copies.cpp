@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/core/detail/parallel.h>
 
 #include "engines/bench_engines.h"

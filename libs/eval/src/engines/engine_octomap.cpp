@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "engines/octomap_tree_engine.h"
 
 namespace superray {

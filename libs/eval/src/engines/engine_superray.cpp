@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/core/stopwatch.h>
 #include <superray/maps/CSuperRayGridMap3D.h>
 #include <superray/maps/CSuperRayOctoMap.h>

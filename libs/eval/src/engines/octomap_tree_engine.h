@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file octomap_tree_engine.h
 /// What the engines around an octomap::OcTree share.

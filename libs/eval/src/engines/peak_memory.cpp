@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "engines/peak_memory.h"
 
 #include <malloc.h>

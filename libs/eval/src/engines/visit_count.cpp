@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "engines/visit_count.h"
 
 #include <superray/core/super_rays.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file visit_count.h
 /// What walking a scan visits, counted independently of the engine.

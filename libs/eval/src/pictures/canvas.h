@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file canvas.h
 /// A depth-buffered picture of flat faces, in software.

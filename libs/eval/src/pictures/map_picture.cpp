@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/map_picture.h>
 
 #include <algorithm>
@@ -297,7 +298,8 @@ CImage drawMap(const OccupancyMap<3>& map, const SensorModel& model,
     drawScaleBar(image, 0, obliqueWidth, perMetre(oblique), white);
     drawScaleBar(image, obliqueWidth, planWidth, perMetre(plan), white);
     drawHeightLegend(image, scene);
-    image.filledRectangle(obliqueWidth, 0, obliqueWidth, options.height - 1, TColor(60, 66, 78));
+    image.filledRectangle(obliqueWidth, 0, obliqueWidth, options.height - 1,
+                          TColor(60, 66, 78));
     return image;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/core/processors.h>
 #include <superray/eval/bench_compare.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/paper_figures.h>
 
 #include <functional>

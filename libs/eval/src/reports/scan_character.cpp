@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/core/scan_integrator.h>
 #include <superray/core/traversal.h>
 #include <superray/eval/progress_meter.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "sources/object_reader.h"
 
 #include <mrpt/obs/CRawlog.h>
@@ -27,8 +28,7 @@ std::string readFailure(CompressedInput& file, const std::exception& error) {
     return atEnd ? "the file ends inside an object" : oneLineCause(error);
 }
 
-ObjectReader::ObjectReader(const std::string& path)
-    : path_(path), file_(openInput(path)) {}
+ObjectReader::ObjectReader(const std::string& path) : path_(path), file_(openInput(path)) {}
 
 CSerializable::Ptr ObjectReader::next() {
     while (pending_.empty()) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file object_reader.h
 /// The objects of an MRPT file one by one.

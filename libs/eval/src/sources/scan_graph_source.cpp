@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // OctoMap's ScanGraph file, little endian: u32 number of nodes; per node a point
 // cloud, a pose and a u32 id; then edges, which a mapper does not need.
 //   point cloud: u32 count, count vectors      (in the frame of the pose)

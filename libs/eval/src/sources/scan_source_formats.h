@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file scan_source_formats.h
 /// What the readers of the single formats share.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/maps/CSimpleMap.h>
 #include <superray/eval/input_error.h>
 #include <superray/maps/mrpt_compat.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file text_numbers.h
 /// Numbers of a line of text, whatever the locale.

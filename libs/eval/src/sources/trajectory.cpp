@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/math/CQuaternion.h>
 #include <mrpt/math/slerp.h>
 #include <superray/eval/input_error.h>

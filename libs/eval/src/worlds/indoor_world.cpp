@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/seeded_random.h>
 
 #include "worlds/world_plans.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/poses/CPose3DQuat.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/seeded_random.h>

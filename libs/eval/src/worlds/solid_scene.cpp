@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "worlds/solid_scene.h"
 
 #include <algorithm>

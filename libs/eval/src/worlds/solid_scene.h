@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file solid_scene.h
 /// Solids that simulated worlds are made of, and rays cast against them.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file world_plans.h
 /// What the simulated worlds hold, one file each.

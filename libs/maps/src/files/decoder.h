@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file decoder.h
 /// Decompression step by step, the same for every format.

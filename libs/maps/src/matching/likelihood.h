@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file likelihood.h
 /// How well a scan agrees with a map.

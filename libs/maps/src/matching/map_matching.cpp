@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "matching/map_matching.h"
 
 #include <mrpt/maps/CPointsMap.h>

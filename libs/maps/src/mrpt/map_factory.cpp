@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/maps/map_factory.h>
 
 #include <superray/maps/CSuperRayGridMap2D.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/serialization/CArchive.h>
 #include <superray/maps/CSuperRayPointsMap.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Registration of all maps: MRPT finds them by class name when reading streams,
 // and by .ini name when creating maps.
 

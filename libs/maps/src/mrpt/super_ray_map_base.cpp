@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/maps/gzip_output.h>
 #include <superray/maps/super_ray_map_base.h>
 

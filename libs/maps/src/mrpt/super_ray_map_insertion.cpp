@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scans into the map.
 
 #include <mrpt/poses/CPose3DInterpolator.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reading and writing whole maps: native files and MRPT streams.
 
 #include <mrpt/serialization/CArchive.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Questions to a map, parts of it, and maps made of two.
 
 #include <superray/maps/super_ray_map_base.h>

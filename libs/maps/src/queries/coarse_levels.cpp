@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "queries/coarse_levels.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file distance_field.h
 /// The nearest occupied cell of every cell, up to a reach.

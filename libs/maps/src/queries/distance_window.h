@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file distance_window.h
 /// Exact distances for one block of a DistanceField.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "queries/map_algebra.h"
 
 #include <algorithm>

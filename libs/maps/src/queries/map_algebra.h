@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file map_algebra.h
 /// Parts of maps, and maps made of two.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file obstacle_search.h
 /// Occupied cells for questions without a reach.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "queries/ray_cast.h"
 
 #include <superray/core/traversal.h>

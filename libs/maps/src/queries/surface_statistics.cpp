@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/maps/surface_statistics.h>
 
 #include <Eigen/Eigenvalues>

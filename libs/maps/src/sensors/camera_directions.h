@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file camera_directions.h
 /// Where each pixel of a range camera looks: pinhole or fisheye, undistorted.

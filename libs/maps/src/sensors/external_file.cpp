@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "sensors/external_file.h"
 
 #include <mrpt/io/lazy_load_path.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file external_file.h
 /// Scans whose data are in files of their own, beside the recording.

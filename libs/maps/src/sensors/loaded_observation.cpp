@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "sensors/loaded_observation.h"
 
 #include <cstddef>

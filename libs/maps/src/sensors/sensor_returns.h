@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file sensor_returns.h
 /// One reader per observation class; see observation_rays.h.

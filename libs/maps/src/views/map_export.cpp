@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "views/map_export.h"
 
 #include <mrpt/img/CImage.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file map_export.h
 /// Views of a map for other programs; see SuperRayMapInterface and CSuperRayMapBase.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "views/voxel_view.h"
 
 #include <mrpt/img/color_maps.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file voxel_view.h
 /// The 3D view of a map, kept from one call to the next.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file block_table.h
 /// Table from block key to a small value: pages of neighbouring blocks, hashed.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file chunked_pool.h
 /// Objects addressed by number, in chunks that never move.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file byte_io.h
 /// Numbers as little-endian bytes, whatever the machine.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // encodeCells() and decodeCells(): see doc/file_format.md, "Cells".
 
 #include <superray/storage/map_file.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "file/deflate_stream.h"
 
 #include <superray/storage/map_file_error.h>

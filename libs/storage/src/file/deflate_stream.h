@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file deflate_stream.h
 /// zlib streams and checksum with bounded memory and MapFileError for failures.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The container: see doc/file_format.md, "Container".
 
 #include <superray/storage/map_file.h>

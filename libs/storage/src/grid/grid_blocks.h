@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // The blocks of a block grid: where they are, and what is in them.
 

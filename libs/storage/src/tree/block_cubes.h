@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file block_cubes.h
 /// The cubes (squares) of 1, 2, 4, 8 cells per axis that a block consists of:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file node_arena.h
 /// Memory for the nodes of a tree, made by one or several threads.

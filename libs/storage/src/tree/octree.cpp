@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/storage/octree.h>
 
 #include "tree/octree_nodes.h"

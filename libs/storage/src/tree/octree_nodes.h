@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file octree_nodes.h
 /// The nodes of Octree: an octomap::OcTree with an arena.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <superray/storage/quadtree.h>
 
 #include "containers/chunked_pool.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file saturation_cache.h
 /// Which cells of recently written blocks of a tree are saturated free.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file tree_apply.h
 /// An update batch into a tree, in one or several threads.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file tree_read.h
 /// Reading the cells of a block off the nodes of a tree (see tree_update.h).

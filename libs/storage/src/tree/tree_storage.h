@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file tree_storage.h
 /// All that Octree and Quadtree do, over the nodes of either.
 
 #include "tree/saturation_cache.h"
-#include "values/saturation_clamp.h"
 #include "tree/tree_apply.h"
 #include "tree/tree_read.h"
 #include "tree/tree_update.h"
+#include "values/saturation_clamp.h"
 #include "values/value_rules.h"
 
 #include <superray/storage/occupancy_map.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file tree_update.h
 /// Writing to a pruned tree (octree, quadtree) block by block.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file fold_layers.h
 /// The inner loop of the block grid: counts folded into the cells of a block,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file saturation_clamp.h
 /// The lower clamp that the saturation bits of a storage belong to.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "values/value_rules.h"
 
 #include <cmath>

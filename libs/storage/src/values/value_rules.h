@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file value_rules.h
 /// What every storage demands of cells and values written to it.

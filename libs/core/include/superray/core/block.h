@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file block.h
 /// Cells are handled in aligned cubic (square) blocks of 8 per axis: the unit

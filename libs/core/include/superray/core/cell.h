@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file cell.h
 /// Points, cells, and the one function that maps the former to the latter.

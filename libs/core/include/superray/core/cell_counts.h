@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file cell_counts.h
 /// Exact numbers of misses and hits per cell, for scans and models that the 8-bit counts of

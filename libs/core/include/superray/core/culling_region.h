@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file culling_region.h
 /// Culling region (paper Sec. IV-B): the cells from which every way to the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file ray_bundle.h
 /// A scan as a value: origins and end points in the map frame, cut to range.
@@ -17,7 +18,7 @@ namespace superray {
 
 /// What the far end of a ray means.
 enum class RayEnd : std::uint8_t {
-    hit,  ///< a return: the end cell is hit, the cells before it are free
+    hit,      ///< a return: the end cell is hit, the cells before it are free
     noReturn  ///< nothing seen, or cut at maximum range: the cells before the end cell
               ///< are free, the end cell itself is left alone (OctoMap's convention)
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file ray_line.h
 /// The digital line that a ray is: integers only, so the same cells come out

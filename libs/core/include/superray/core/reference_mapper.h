@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file reference_mapper.h
 /// The oracle: one ray at a time, one cell at a time. Everything else must

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file saturation_source.h
 /// What the engine asks of a map: in which cells would another miss change nothing?

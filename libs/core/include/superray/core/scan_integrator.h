@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file scan_integrator.h
 /// Scan in, update batch out: the one entry point of the engine.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file sensor_model.h
 /// Inverse sensor model and update policies (paper Sec. III-A; design rules 4, 5).

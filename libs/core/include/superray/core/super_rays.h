@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file super_rays.h
 /// Super rays (paper Sec. IV-A): rays that end in the same cell and cross the

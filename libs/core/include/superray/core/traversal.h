@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file traversal.h
 /// The 6-connected (2D: 4-connected) walk along a ray: pure functions.

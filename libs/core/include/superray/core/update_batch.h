@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file update_batch.h
 /// What one scan does to a map: per cell, how many rays miss and how many hit.

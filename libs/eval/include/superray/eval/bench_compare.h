@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file bench_compare.h
 /// Engines on the same scans, taking turns: time, work, memory and contents.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file bench_engine.h
 /// What is compared with what: mapping engines, by name.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file input_error.h
 /// What is wrong with an input, in one readable line.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file map_build.h
 /// Recorded scans in, a map out, with progress and an account of what was done.

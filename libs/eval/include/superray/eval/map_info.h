@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file map_info.h
 /// What there is to know about a map, for people and for programs.

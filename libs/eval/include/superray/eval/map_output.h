@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file map_output.h
 /// Writing maps for other programs: whole files or none.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file map_picture.h
 /// A picture of a map, drawn without a display or a graphics driver.

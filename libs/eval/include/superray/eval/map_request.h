@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file map_request.h
 /// A map made from what a user asks for: a configuration file, and single

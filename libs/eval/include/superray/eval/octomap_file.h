@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file octomap_file.h
 /// Reads OctoMap's .ot and .bt files into cells, trusting nothing in them

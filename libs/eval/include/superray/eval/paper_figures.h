@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file paper_figures.h
 /// The tables and figures of the paper's experiments (Sec. V), for any data.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file point_scan.h
 /// Scans as every engine of the benchmark gets them: points in the map frame.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file progress_meter.h
 /// Progress for people: rate, time left, and numbers that can be read.

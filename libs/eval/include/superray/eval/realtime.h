@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file realtime.h
 /// Navigation as in Sec. V-B of the paper: scans come at the sensor's rate, and

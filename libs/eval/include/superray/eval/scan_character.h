@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file scan_character.h
 /// What kind of scans these are: the numbers that decide which engine is fast.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file scan_source.h
 /// Recorded scans with the robot's pose, from any of the formats we read.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file seeded_random.h
 /// Random numbers that are the same on every machine: the distributions of the

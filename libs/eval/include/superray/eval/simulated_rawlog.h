@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file simulated_rawlog.h
 /// Simulated worlds as recordings for any MRPT program.

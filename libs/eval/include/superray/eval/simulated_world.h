@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file simulated_world.h
 /// Seeded worlds made of solids, and a sensor that moves through them. Ray

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file trajectory.h
 /// Robot poses over time: read from text, asked for at any time in between.

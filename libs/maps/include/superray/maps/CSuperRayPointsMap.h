@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file CSuperRayPointsMap.h
 /// Occupancy maps that are points maps: the occupied cells, for programs that

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file change_log.h
 /// Which blocks of a map have changed since when.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file compressed_input.h
 /// A gzip, zstd or plain file as an MRPT stream.

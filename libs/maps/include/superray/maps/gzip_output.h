@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file gzip_output.h
 /// MRPT objects in files that every MRPT opens.

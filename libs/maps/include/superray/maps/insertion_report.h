@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file insertion_report.h
 /// What inserting scans did, how long it took, and what was left out and why.

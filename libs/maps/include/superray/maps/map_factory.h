@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file map_factory.h
 /// Maps by name, from .ini sections and from files.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file map_queries.h
 /// What maps are asked and what they answer; see SuperRayMapInterface. Points are

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file mrpt_compat.h
 /// Everything that depends on the MRPT version lives here. Tested with 2.5.8

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file nearest_neighbors.h
 /// MRPT's NearestNeighborsCapable, by which matchers (those of MOLA, for one) ask any

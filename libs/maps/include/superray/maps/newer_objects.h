@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file newer_objects.h
 /// Objects of MRPT 2.15 for an older MRPT.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file observation_rays.h
 /// MRPT observations to rays. Robot pose and sensor pose act on origin and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file option_text.h
 /// Values of options as text, and strict reading of .ini sections.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file options.h
 /// Options of the maps: public members, .ini sections, validation.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file shared_storage.h
 /// Cells that copies of a map have in common until one of them is written to.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file super_ray_map_base.h
 /// All of the MRPT maps; the classes themselves only add a name and a storage.

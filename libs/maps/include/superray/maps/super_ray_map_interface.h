@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file super_ray_map_interface.h
 /// The maps for code that does not know their dimension: dynamic_cast a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file surface_statistics.h
 /// Where exactly the surface lies in a cell: moments of the end points in it.

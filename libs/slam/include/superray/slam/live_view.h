@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file live_view.h
 /// A window that shows map and trajectory while they grow.

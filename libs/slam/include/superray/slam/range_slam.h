@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file range_slam.h
 /// Trajectory and map from range scans without poses.

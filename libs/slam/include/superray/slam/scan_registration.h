@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file scan_registration.h
 /// Where was the robot when it took this scan?

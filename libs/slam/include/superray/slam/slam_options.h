@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file slam_options.h
 /// Options of SLAM: public members, .ini sections, validation.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file slam_output.h
 /// Writing what SLAM has made: whole files or none.

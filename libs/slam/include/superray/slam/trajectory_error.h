@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file trajectory_error.h
 /// How far an estimated trajectory is from the true one, in the usual measures.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file block_grid.h
 /// Hashed grid of 8^Dim blocks: the fastest storage.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file map_file.h
 /// The native file (.srmap): sections with length and checksum, validated

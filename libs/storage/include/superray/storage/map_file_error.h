@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file map_file_error.h
 /// What reading and writing of map files throws.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file occupancy_map.h
 /// What every map storage does, for 2D and 3D alike.

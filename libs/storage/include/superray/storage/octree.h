@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file octree.h
 /// Storage in an octomap::OcTree, updated a block at a time.

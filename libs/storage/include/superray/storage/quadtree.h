@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file quadtree.h
 /// 2D storage in a pruned quadtree: the octree's algorithms, four children.

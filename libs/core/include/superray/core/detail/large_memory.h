@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file large_memory.h
 /// Memory of arrays that may become large and grow while they are filled.

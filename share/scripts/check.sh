@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Gates on the sources: check.sh [--quick]
+#   --quick  formatting, includes and the licence line only (what the commit hook runs);
+#            else also a project that uses superray::core and superray::storage alone
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+format=$(command -v clang-format-14 || command -v clang-format)
+
+git ls-files -z 'libs/*.h' 'libs/*.cpp' 'apps/*.h' 'apps/*.cpp' 'tests/*.h' 'tests/*.cpp' \
+    | xargs -0 "$format" --dry-run -Werror
+python3 -B share/scripts/check_includes.py
+python3 -B share/scripts/spdx.py --check
+[[ ${1:-} == --quick ]] || bash share/scripts/consumer_core.sh
