@@ -5,7 +5,6 @@
 #   superray-doc     documentation and examples
 # The plugin's name without a number is in `superray`, not in -dev: stock MRPT programs
 # load it by that name.
-
 option(SUPERRAY_BUILD_MAN "Make man pages (needs help2man)" OFF)
 if(SUPERRAY_BUILD_MAN)
   find_program(HELP2MAN help2man REQUIRED)
@@ -66,20 +65,16 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS mrpt-apps)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS superray-doc)
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
-    "exact occupancy maps for MRPT: plugin and programs
- Occupancy maps in 2D and 3D, updated by super rays and culling regions, as a
- plugin for stock MRPT programs, and programs that make maps from recordings.")
+    "Plugin for stock MRPT programs, and programs that make occupancy maps in 2D and\n3D from recordings, updated by super rays and culling regions.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libsuperray-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
     "superray (= ${superray_package_version}), libeigen3-dev, liboctomap-dev, libmrpt-dev, libtbb-dev, zlib1g-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
-    "exact occupancy maps for MRPT: development files
- Headers, static libraries and the CMake package superray.")
+    "Development files: headers, static libraries and the CMake package superray.")
 set(CPACK_DEBIAN_DOC_PACKAGE_NAME superray-doc)
 set(CPACK_DEBIAN_DOC_PACKAGE_SECTION doc)
 set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
 set(CPACK_COMPONENT_DOC_DESCRIPTION
-    "exact occupancy maps for MRPT: documentation
- What the maps are, how they are used and measured, and examples.")
+    "Documentation: what the maps are, how they are used and measured; examples.")
 include(CPack)

@@ -49,11 +49,14 @@ else
     trap 'rm -rf --one-file-system "$root"' EXIT
 fi
 
+passed=  # not empty when something was tested already
+
 # make_root DIR: a minimal system of the release, which reaches what this one reaches.
 make_root() {
     debootstrap --variant=minbase "$release" "$1" >"$1.log" 2>&1 || {
         tail -n 5 "$1.log" >&2
         rm -f "$1.log"
+        [[ -z $passed ]] || { echo "error: debootstrap $release failed" >&2; exit 1; }
         cannot "debootstrap $release failed"
     }
     rm -f "$1.log"
@@ -110,6 +113,7 @@ else
     in_root "$root/system" "$commands"
 fi
 
+passed=yes
 if ((packages)); then
     echo "=== Debian $release: packages"
     in_root "$root/system" "bash share/scripts/package.sh out/packages"

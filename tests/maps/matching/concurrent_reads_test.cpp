@@ -176,7 +176,7 @@ TYPED_TEST(ConcurrentMapReads, Likelihood) {
 }
 
 TYPED_TEST(ConcurrentMapReads, Matching) {
-    // MRPT 2.14 fails at 2D, then 3D matching on one points map, in one thread, too.
+    // MRPT 2.14 throws at 2D, then 3D matching on any points map, in one thread, too.
     if (std::is_base_of_v<mrpt::maps::CPointsMap, TypeParam>)
         GTEST_SKIP() << "matching of points maps is MRPT's own: NOT TESTED here";
     const StoredScans scans;
