@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Tuned numbers of the engine. They decide how much work a scan takes, never what it counts.
 // Percentages are times of `superray-bench compare`, quoted from doc/experiments.md, where the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "counting/merge_counts.h"
 
 #include <superray/core/detail/parallel.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "directions/sector_sort.h"
 
 #include <superray/core/detail/parallel.h>

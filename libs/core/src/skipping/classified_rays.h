@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Stage 1 of empty-space skipping: where each ray goes, and in which slice it ends.
 

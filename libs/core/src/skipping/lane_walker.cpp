@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "skipping/lane_walker.h"
 
 #include "tuning.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "skipping/ray_classifier.h"
 
 #include "directions/scan_bounds.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Classifies the rays of a chunk, and builds the direction ranges from them.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // What the stages of empty-space skipping pass to each other; see skipping_walk.h.
 
