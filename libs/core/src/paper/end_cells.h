@@ -1,6 +1,5 @@
 #pragma once
-// End cells of a share of a scan: how many rays end where, and which of the
-// rays still have something to tell.
+// End cells of a chunk of a scan: how many rays end in each, and which rays may change more.
 
 #include <superray/core/culling_region.h>
 #include <superray/core/ray_bundle.h>
@@ -11,6 +10,7 @@
 
 namespace superray {
 
+/// End cells of rays [begin, end), block by block.
 template <int Dim>
 class EndCells {
  public:
