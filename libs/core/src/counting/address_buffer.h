@@ -8,7 +8,7 @@
 
 namespace superray {
 
-/// Addresses of free cells waiting to be counted: offsets into miss counts.
+/// Free cells that wait to be counted, as offsets into the miss counts of a batch.
 class AddressBuffer {
  public:
     /// Room for `n` more, and for a vector register beyond.

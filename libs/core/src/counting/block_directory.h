@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Where a scan's blocks are: block index -> id, dense over the scan's
-// extent, so that a look-up is a multiplication and a load.
+// Block index -> id, for the blocks of one scan.
 
 #include <superray/core/block.h>
 
@@ -25,6 +24,8 @@ struct BlockBox {
     }
 };
 
+/// Ids of blocks, 0 for those that have none. Dense over the bounds of the scan, so a look-up
+/// is a multiplication per axis and a load; a hash map serves bounds too large for that.
 template <int Dim>
 class BlockDirectory {
  public:

@@ -13,16 +13,16 @@
 
 namespace superray {
 
-/// What one thread writes to. Kernels append addresses of free cells (offsets
-/// into the batch's miss counts) to `addresses`; flush() counts them.
+/// Update batch of one thread, with what makes counting fast: a directory of its blocks, and
+/// a buffer of free cells. Kernels append cells to the buffer; flush() counts them.
 template <int Dim>
 struct ScanCounts {
-    /// Block -> its index in the batch + 1.
-    BlockDirectory<Dim> directory;
+    BlockDirectory<Dim> directory;  ///< block -> its index in the batch + 1
     UpdateBatch<Dim> batch;
     AddressBuffer addresses;
-    std::uint64_t traversed = 0;
+    std::uint64_t traversed = 0;  ///< free cells counted, one for each ray
 
+    /// Begins a scan. \param box blocks that it may touch
     void reset(const BlockBox<Dim>& box) {
         batch.clear();
         directory.reset(box);
@@ -30,15 +30,16 @@ struct ScanCounts {
         hitOffsets_.clear();
         traversed = 0;
     }
-    /// From how many hits on more of them, and misses, change nothing.
+    /// Sets the number of hits from which on more hits, and misses, change nothing.
     /// \pre at most 255
     void setHitsToSaturate(std::uint32_t hits) {
         hitsToSaturate_ = static_cast<std::uint8_t>(hits);
     }
-    /// Place of a block's hit counts in the arena; the block is made on first use.
+    /// Offset of a block's hit counts in the arena; the block is made on first use.
     std::uint32_t hitOffset(const BlockKey<Dim>& key) { return makeHitOffset(batchBlock(key)); }
-    /// The same of the block with this index in the directory, whose key is only asked
-    /// for if it got no hits yet. \pre the directory is dense
+    /// The same, for the block at this index of the directory.
+    /// \param keyOf gives the block's key; called only if the block has no hits yet
+    /// \pre the directory is dense
     template <typename KeyOf>
     std::uint32_t hitOffset(std::uint32_t index, const KeyOf& keyOf) {
         const std::uint32_t n = directory.data()[index];
@@ -46,11 +47,10 @@ struct ScanCounts {
         return makeHitOffset(n == 0 ? batchBlock(keyOf()) : n - 1);
     }
     std::uint8_t hitsToSaturate() const { return hitsToSaturate_; }
-    /// No place in the arena.
+    /// Offset of nothing.
     static constexpr std::uint32_t kNoOffset = ~std::uint32_t{0};
-    /// Cells with so many hits that they end up at the upper clamp (with
-    /// oncePerScan, with any) need no misses any more: they get the greatest miss
-    /// count, so that no walk need bother.
+    /// Gives the greatest miss count to cells whose hits take them to the upper clamp, however
+    /// many misses come first. Such cells are settled: walks need not count their misses.
     void settleSaturatedHits() {
         for (const std::uint32_t b : hitBlocks_) {
             const std::uint8_t* const hits = batch.hits(b);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Roughly where each ray of a scan goes: in which bin of the ranges, and how far.
+// Direction and end of each ray of a batch, and the directions that there are.
 
 #include <superray/core/ray_bundle.h>
 
@@ -12,16 +12,16 @@
 
 namespace superray {
 
-/// How many cells from the sensor's cell, per axis; without a sign, for that is
-/// the sector's.
+/// Cells from the sensor's cell, per axis, without a sign: the ray's sector has the signs.
 using CellOffset = PackedTriple;
 
-/// Directions as seen from the common origin of a scan. The sector of a ray is its
-/// major axis, + 4 * (bit a: axis a runs backwards). Of each sector, a square of
-/// (in 2D, a row of) bins covers the slopes minor / major, 0 .. 1 per minor
-/// axis. Bins are followed by those of coarser levels, down to one bin. A bin has
-/// 4 * 4 sub-bins (in 2D, 4 by 4 that are alike): a sub-bin's number is 16 * bin + sub-bin in
-/// it.
+/// Ids of directions, as seen from the common origin of a scan.
+///
+///   sector    major axis + 4 * (bit a: the ray runs backwards along axis a)
+///   bin       square (in 2D, stretch) of slopes minor / major, 0 .. 1 per minor axis:
+///             sector * perSector() + index. The 2^levels bins per minor axis are followed by
+///             those of coarser levels, each half as many per axis, down to one bin
+///   sub-bin   16 * bin + one of the 4 * 4 parts of the bin (in 2D, 4 parts, each four times)
 template <int Dim>
 struct DirectionBins {
     static constexpr std::uint32_t kSectors = 1u << (2 + Dim);
@@ -52,14 +52,14 @@ struct DirectionBins {
     std::uint32_t sectorOf(std::uint32_t subBin) const {
         return subBin >> (perSectorBits() + kSubBinBits);
     }
-    /// A bin of its own for rays of which single precision cannot tell a sector.
+    /// Bin of rays whose sector is not certain in single precision.
     std::uint32_t unclassified() const { return kSectors * perSector(); }
-    /// One for rays that have nothing more to tell.
+    /// Bin of rays that were walked early.
     std::uint32_t finished() const { return unclassified() + 1; }
     std::uint32_t count() const { return finished() + 1; }
 };
 
-/// Where some rays in a row go and end.
+/// Up to kMost rays in a row, as classified: their directions and end cells.
 template <int Dim>
 struct ClassifiedBatch {
     static constexpr std::size_t kMost = 1024;  ///< rays: as many as the L1 cache holds

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Where the rays of a bin begin to have something to tell.
+// The first slice of a direction bin that may still change the map.
 
 #include <cstdint>
 #include <limits>
@@ -10,8 +10,8 @@ namespace superray {
 using Slice = std::uint16_t;
 inline constexpr Slice kNoSlice = std::numeric_limits<Slice>::max();
 
-/// The first slice in which a ray of the bin has something to tell, and bit by bit, in
-/// which of the bin's sub-bins rays have, there or farther away.
+/// A slice and a mask of sub-bins. Rays of the marked sub-bins may change the map in that slice
+/// or later; those of the others cannot. A smaller word is an earlier slice.
 struct FirstUnsettled {
     static constexpr int kSubBins = 16;
     static constexpr std::uint32_t kAllSubBins = (1u << kSubBins) - 1;

@@ -6,7 +6,8 @@
 
 namespace superray {
 
-/// Each number has a bit above it, so that all of them are compared at once.
+/// Three numbers of 20 bits in one word. The bit above each of them stays clear, so that one
+/// subtraction compares all three: a borrow shows there.
 class PackedTriple {
  public:
     static constexpr int kBits = 21;

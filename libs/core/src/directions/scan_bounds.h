@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How far a scan goes.
+// Bounds of a scan, and samples that tell what kind of scan it is.
 
 #include <superray/core/ray_bundle.h>
 
@@ -25,7 +25,8 @@ struct ScanBounds {
 /// sample. \pre first < last; the rays have the common origin
 template <int Dim>
 double typicalLength(const RayBundle<Dim>& rays, std::size_t first, std::size_t last) {
-    const std::size_t step = (last - first) / 64 + 1;
+    constexpr std::size_t kSample = 64;  // rays; any such number does
+    const std::size_t step = (last - first) / kSample + 1;
     double sum = 0;
     std::size_t n = 0;
     for (std::size_t i = first; i < last; i += step, ++n)
@@ -37,7 +38,9 @@ double typicalLength(const RayBundle<Dim>& rays, std::size_t first, std::size_t 
 /// those of a lidar, not those of a camera. \pre the rays have the common origin
 template <int Dim>
 bool goAllAround(const RayBundle<Dim>& rays) {
-    constexpr std::size_t kSample = 128, kFew = 4;
+    constexpr std::size_t kSample = 128;  // rays
+    constexpr std::size_t kLeast = 4;     // of them, for a side to count
+    constexpr std::ptrdiff_t kLeastSides = 4;
     std::size_t sides[2 * Dim] = {};
     const std::size_t step = rays.size() / kSample + 1;
     for (std::size_t i = 0; i < rays.size(); i += step) {
@@ -47,7 +50,7 @@ bool goAllAround(const RayBundle<Dim>& rays) {
         ++sides[2 * axis + (ray[axis] < 0 ? 1 : 0)];
     }
     return std::count_if(std::begin(sides), std::end(sides),
-                         [](std::size_t n) { return n >= kFew; }) >= 4;
+                         [](std::size_t n) { return n >= kLeast; }) >= kLeastSides;
 }
 
 }  // namespace superray

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// End cells of a share of a scan: how many rays end where, and which of the
-// rays still have something to tell.
+// End cells of a chunk of a scan: how many rays end in each, and which rays may change more.
 
 #include <superray/core/culling_region.h>
 #include <superray/core/ray_bundle.h>
@@ -12,6 +11,7 @@
 
 namespace superray {
 
+/// End cells of rays [begin, end), block by block.
 template <int Dim>
 class EndCells {
  public:

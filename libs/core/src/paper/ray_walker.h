@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// One thread's walk through its share of the rays.
+// The walk of one ray after the other, as in the seed paper.
 
 #include <superray/core/culling_region.h>
 #include <superray/core/ray_bundle.h>
@@ -10,6 +10,7 @@
 
 namespace superray {
 
+/// Counts free cells of rays outside the culling region, for one thread.
 template <int Dim>
 class RayWalker {
  public:
@@ -41,7 +42,7 @@ class RayWalker {
         kernel_(counts_, line, from);
     }
 
-    /// Rays of which the region took a part.
+    /// Rays that begin inside the region, so that a part of their walk was skipped.
     std::uint64_t culled() const { return culled_; }
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How to chunk out a scan, going by the last one.
+// Chunks of a scan that are equal work, by the work of the last scan.
 
 #include <algorithm>
 #include <cmath>
@@ -9,23 +9,23 @@
 
 namespace superray {
 
-/// Where chunks of a scan begin, so that each is as much work as the others if things are
-/// in the same order as in the last scan, and as much work each.
+/// Chooses where the chunks of a scan begin. They are equal work if this scan is like the last
+/// one: the same order of rays, and as much work for each part of them.
 class LoadBalancer {
  public:
-    /// Begins a scan of so many chunks: equal ones, unless the last scan had as many.
+    /// Begins a scan of so many chunks: of equal size, unless the last scan had as many.
     void begin(std::size_t chunks) {
         if (chunks == count()) return;
         begin_.resize(chunks + 1);
         for (std::size_t s = 0; s <= chunks; ++s)
             begin_[s] = static_cast<double>(s) / static_cast<double>(chunks);
     }
-    /// First of `n` things that belong to a chunk; of chunks in a row, those of the
-    /// next one begin where the ones before end. \pre chunk <= number of chunks
+    /// First of `n` elements that belong to a chunk, which ends where the next one begins.
+    /// \pre chunk <= number of chunks
     std::size_t first(std::size_t n, std::size_t chunk) const {
         return static_cast<std::size_t>(std::lround(begin_[chunk] * static_cast<double>(n)));
     }
-    /// What work each of the chunks was. \pre work.size() is their number
+    /// Learns how much work each chunk was. \pre work.size() is their number
     void learn(const std::vector<double>& work) {
         double sum = 0;
         for (const double w : work) sum += w;

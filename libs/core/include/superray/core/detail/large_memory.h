@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file large_memory.h
-/// Memory of arrays that may become large and grow while they are filled.
+/// Memory of arrays that may become large and grow while they are filled; no public
+/// interface. It is here since UpdateBatch, which is public, has such arrays.
 
 #include <cstddef>
 #include <cstdint>

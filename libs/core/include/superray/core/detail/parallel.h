@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file parallel.h
-/// Work in several threads.
+/// Loops in several threads, for the libraries of this project; no public interface.
 
 #include <algorithm>
 #include <cstddef>
@@ -9,13 +9,13 @@
 
 namespace superray {
 
-/// First of `n` things that belong to a chunk, of `chunks` about equal ones.
+/// First of `n` elements that belong to a chunk, of `chunks` about equal ones.
 inline std::size_t chunkBegin(std::size_t n, std::size_t chunk, std::size_t chunks) {
     return n * chunk / chunks;
 }
 
-/// How many chunks `n` things are worth, if `perChunk` of them repay a thread: at least 1,
-/// at most `threads`. \pre threads > 0
+/// Number of chunks for `n` elements, with at least `perChunk` in each: 1 .. `threads`. \pre
+/// threads > 0
 inline std::size_t chunkCountFor(std::size_t n, std::size_t perChunk, std::size_t threads) {
     return std::max<std::size_t>(1, std::min(threads, n / perChunk));
 }
