@@ -57,7 +57,9 @@ class Install(ProgramTest):
 
 class Readme(ProgramTest):
     def test_the_readme_shows_the_example_as_it_is(self):
-        example = (self.source / "share/examples/embed/main.cpp").read_text()
+        licence, example = (self.source / "share/examples/embed/main.cpp").read_text().split(
+            "\n", 1)
+        self.assertIn("SPDX", licence)
         code = re.findall(r"```cpp\n(.*?)```", (self.source / "README.md").read_text(), re.S)
         self.assertIn(example, code)
 

@@ -28,15 +28,17 @@ std::vector<Neighbor> bruteForce(const OccupancyMap<Dim>& map, float occupied,
             Neighbor n;
             n.id = 0;
             float at[3] = {0, 0, 0};
+            double center[3] = {0, 0, 0};
             double squared = 0;
             for (int a = 0; a < Dim; ++a) {
                 const auto axis = static_cast<std::size_t>(a);
-                at[a] = static_cast<float>(map.geometry().center(cell)[a]);
+                center[a] = map.geometry().center(cell)[a];
+                at[a] = static_cast<float>(center[a]);
                 n.id += static_cast<std::uint64_t>(cell[axis] + 32768) * (1ull << (16 * a));
             }
             const int axes = query.distance == NeighborDistance::fromAbove ? 2 : 3;
             for (int a = 0; a < axes; ++a) {
-                const double gap = double{at[a]} - query.point[a];
+                const double gap = center[a] - query.point[a];
                 squared += gap * gap;
             }
             n.point = {at[0], at[1], at[2]};

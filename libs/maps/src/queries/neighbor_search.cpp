@@ -53,11 +53,13 @@ class NeighborSearch {
         Neighbor n;
         n.point = {static_cast<float>(center[0]), static_cast<float>(center[1]),
                    Dim == 3 ? static_cast<float>(center[Dim - 1]) : 0.0f};
-        const Eigen::Vector3d gap =
-            Eigen::Vector3d(n.point.x, n.point.y, n.point.z) - query_.point;
-        n.squaredDistance = gap.x() * gap.x() + gap.y() * gap.y();
-        if (query_.distance == NeighborDistance::inSpace)
-            n.squaredDistance += gap.z() * gap.z();
+        // From the centre itself, not from its rounded coordinates: GCC 12 leaves out the
+        // rounding in such code where it vectorises.
+        for (int a = 0; a < axes_; ++a) {
+            const double gap = center[a] - query_.point[a];
+            n.squaredDistance += gap * gap;
+        }
+        n.squaredDistance += height_;
         for (std::size_t a = 0; a < Dim; ++a)
             n.id |= static_cast<std::uint64_t>(cell[a] + kCellLimit) << (16 * a);
         return n;

@@ -37,7 +37,7 @@ struct NeighborQuery {
 /// A point of a map near another one.
 struct Neighbor {
     mrpt::math::TPoint3Df point;  ///< [m]
-    double squaredDistance = 0;   ///< [m^2]
+    double squaredDistance = 0;   ///< [m^2] from the centre of the cell, in double
     /// The cell: 32768 + its index, 16 bits for each axis, the lowest for x. It stays the
     /// same for as long as the resolution does.
     std::uint64_t id = 0;
