@@ -2,6 +2,8 @@
 #pragma once
 // Scans of all scenes, and what the kernels find of their rays.
 
+#include <superray/core/detail/cpu_target.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,10 +44,8 @@ template <int Dim>
 std::vector<WalkKernels<Dim>> allKernels() {
     std::vector<WalkKernels<Dim>> kernels{portableKernels<Dim>()};
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) kernels.push_back(avx2Kernels<Dim>());
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512dq"))
-        kernels.push_back(avx512Kernels<Dim>());
+    if (bestInstructionSet() >= InstructionSet::avx2) kernels.push_back(avx2Kernels<Dim>());
+    if (bestInstructionSet() >= InstructionSet::avx512) kernels.push_back(avx512Kernels<Dim>());
 #endif
     return kernels;
 }

@@ -67,14 +67,14 @@ template <int Dim>
 WalkKernels<Dim> portableKernels();
 
 /// 8 slices (rays) at once; walks need a dense directory.
-/// \pre the processor has the instructions
+/// \pre the processor has the instruction set, see bestInstructionSet()
 template <int Dim>
 WalkKernels<Dim> avx2Kernels();
 template <int Dim>
 WalkKernels<Dim> avx512Kernels();
 
-/// The fastest kernels of this processor. The environment variable
-/// SUPERRAY_INSTRUCTION_SET = portable | avx2 | avx512 asks for lesser ones.
+/// The kernels for instructionSet() (detail/cpu_target.h): the fastest ones of this
+/// processor, unless the user asks for lesser ones.
 template <int Dim>
 WalkKernels<Dim> bestKernels();
 

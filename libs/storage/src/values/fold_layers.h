@@ -38,8 +38,8 @@ struct FoldVersion {
                        const std::uint8_t* misses, const std::uint8_t* hits);
 };
 
-/// Leaves out touched cells that are saturated and not hit: misses change nothing there.
-/// \param hits of the block's cells, nullptr for none
+/// Leaves out touched cells that are saturated and not hit: misses change
+/// nothing there. \param hits of the block's cells, nullptr for none
 template <int Dim>
 void leaveOutSaturated(const FoldVersion& fold, BlockMask<Dim>& touched,
                        const BlockMask<Dim>& saturated, const std::uint8_t* hits) {
@@ -50,7 +50,8 @@ void leaveOutSaturated(const FoldVersion& fold, BlockMask<Dim>& touched,
         touched.words[w] &= ~saturated.words[w] | hit.words[w];
 }
 
-/// The fastest version for this CPU.
+/// The version for instructionSet(): the fastest one, unless the user asks for
+/// a lesser set.
 const FoldVersion& foldForThisCpu();
 /// Every version this CPU can run, slowest first (tests hold them equal).
 inline constexpr int kMaxFoldVersions = 4;

@@ -1,15 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Points into a bundle, for vector units. Included by one .cpp per instruction set,
-// which defines SUPERRAY_TARGET (function attribute) and SUPERRAY_POINT_BYTES: how
-// long its vectors are.
+#pragma once
+// Points into a bundle: from x y z x y z ... into an array per axis, with their
+// bounds.
+
+#include "kernels/point_kernels.h"
+#include "kernels/simd/lanes.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include <superray/core/detail/target_begin.h>
 
 namespace superray {
 namespace {
 
-/// `lanes` points in a row, 3 coordinates each, are 3 vectors. Coordinate `axis` of point
-/// i is element 3 * i + axis of them. Since 3 and `lanes` have no common factor, the
-/// elements of one axis are all in different lanes: one vector can be blended from three,
-/// and then put in order.
+/// `lanes` points in a row, 3 coordinates each, are 3 vectors. Coordinate
+/// `axis` of point i is element 3 * i + axis of them. Since 3 and `lanes` have
+/// no common factor, the elements of one axis are all in different lanes: one
+/// vector can be blended from three, and then put in order.
 template <int axis, int lanes>
 constexpr int vectorWithLane(int lane) {
     for (int i = 0; i < lanes; ++i)
@@ -19,8 +30,8 @@ constexpr int vectorWithLane(int lane) {
 
 /// Coordinate `axis` of the points in a, b, c.
 template <int axis, typename Vector, std::size_t... lane>
-SUPERRAY_TARGET inline Vector pickAxis(const Vector& a, const Vector& b, const Vector& c,
-                                       std::index_sequence<lane...>) {
+SUPERRAY_INLINE Vector pickAxis(const Vector& a, const Vector& b, const Vector& c,
+                                std::index_sequence<lane...>) {
     constexpr int kLanes = sizeof...(lane);
     const Vector ab = __builtin_shufflevector(
         a, b,
@@ -31,21 +42,8 @@ SUPERRAY_TARGET inline Vector pickAxis(const Vector& a, const Vector& b, const V
     return __builtin_shufflevector(abc, abc, (3 * int{lane} + axis) % kLanes...);
 }
 
-template <typename Scalar>
-struct PointVectors;
-template <>
-struct PointVectors<float> {
-    using Vector = float __attribute__((vector_size(SUPERRAY_POINT_BYTES)));
-    using Masks = std::int32_t __attribute__((vector_size(SUPERRAY_POINT_BYTES)));
-};
-template <>
-struct PointVectors<double> {
-    using Vector = double __attribute__((vector_size(SUPERRAY_POINT_BYTES)));
-    using Masks = std::int64_t __attribute__((vector_size(SUPERRAY_POINT_BYTES)));
-};
-
 template <typename Vector, typename Value>
-SUPERRAY_TARGET inline Vector loaded(const Value* from) {
+SUPERRAY_INLINE Vector loaded(const Value* from) {
     Vector v;
     std::memcpy(&v, from, sizeof v);
     return v;
@@ -74,14 +72,16 @@ inline bool copySomePoints(const Scalar* points, std::size_t begin, std::size_t 
 }
 
 /// \return how many points were copied
-template <typename Scalar>
-SUPERRAY_TARGET inline std::size_t copyVectors(const Scalar* points, std::size_t count,
-                                               PointBatch<3, Scalar>& to, bool& good) {
-    using Vector = typename PointVectors<Scalar>::Vector;
-    using Masks = typename PointVectors<Scalar>::Masks;
+template <typename Simd, typename Scalar>
+inline std::size_t copyVectors(const Scalar* points, std::size_t count,
+                               PointBatch<3, Scalar>& to, bool& good) {
+    using Vector = std::conditional_t<std::is_same_v<Scalar, float>, typename Simd::Floats,
+                                      typename Simd::Doubles>;
+    using Masks = decltype(Vector{} == Vector{});
     constexpr int kLanes = sizeof(Vector) / sizeof(Scalar);
     constexpr auto kEachLane = std::make_index_sequence<kLanes>();
-    /// Points come from memory, and processors do not fetch ahead across pages [bytes].
+    /// Points come from memory, and processors do not fetch ahead across pages
+    /// [bytes].
     constexpr std::size_t kAhead = 4096;
     Vector low[3], high[3];
     Masks numbers = Masks{} - 1;
@@ -119,12 +119,13 @@ SUPERRAY_TARGET inline std::size_t copyVectors(const Scalar* points, std::size_t
     return i;
 }
 
-template <int Dim, typename Scalar>
-SUPERRAY_TARGET bool copyPoints(const Scalar* points, std::size_t count, double inverse,
-                                PointBatch<Dim, Scalar>& to) {
+/// As CopyPoints.
+template <typename Simd, int Dim, typename Scalar>
+bool copyPoints(const Scalar* points, std::size_t count, double inverse,
+                PointBatch<Dim, Scalar>& to) {
     bool good = true;
     std::size_t done = 0;
-    if constexpr (Dim == 3) done = copyVectors(points, count, to, good);
+    if constexpr (Dim == 3) done = copyVectors<Simd>(points, count, to, good);
     good &= copySomePoints<Dim>(points, done, count, to);
     // Scaling is monotone, so the bounds stand for all points.
     for (int a = 0; a < Dim; ++a)
@@ -134,5 +135,6 @@ SUPERRAY_TARGET bool copyPoints(const Scalar* points, std::size_t count, double 
 }
 
 }  // namespace
-
 }  // namespace superray
+
+#include <superray/core/detail/target_end.h>
