@@ -14,7 +14,9 @@ TEST_P(FoldLayersTest, EveryVersionEqualsTheSensorModel) {
     FoldVersion versions[kMaxFoldVersions];
     const int count = foldVersions(versions);
     ASSERT_GE(count, 1);
-    EXPECT_STREQ(foldForThisCpu().name, versions[count - 1].name);
+    // Unless a lesser instruction set is asked for, the best one is used.
+    if (std::getenv("SUPERRAY_INSTRUCTION_SET") == nullptr)
+        EXPECT_STREQ(foldForThisCpu().name, versions[count - 1].name);
 
     std::mt19937 random{11};
     SensorProbabilities other;

@@ -148,10 +148,13 @@ class LineWalk {
                                kMinors == 2 ? ids[minor_[0].at[0] + other[1]] : 1,
                                kMinors == 2 ? ids[minor_[0].at[1] + other[1]] : 1);
         if (__builtin_expect(Simd::bitsOf(id == 0) != 0, 0)) {
+            // A copy: an object whose address is passed on is not kept in registers.
+            MinorAxis minor[kMinors];
+            for (int m = 0; m < kMinors; ++m) minor[m] = minor_[m];
             std::uint32_t made[4];
             for (int pick = 0; pick < 4; ++pick)
                 made[pick] = pick < 1 << kMinors
-                                 ? idOfPicked<Dim, D>(counts_, majorBlock_, minor_, pick)
+                                 ? idOfPicked<Dim, D>(counts_, majorBlock_, minor, pick)
                                  : 1;
             id = Simd::twice(made[0], made[1], made[2], made[3]);
         }
