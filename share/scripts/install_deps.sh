@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs the Debian packages that building, testing and the demo need, and
 # only those that are missing. Does nothing, and needs no network and no rights,
-# when all are there: install_deps.sh [--packaging]
+# when all are there: install_deps.sh [--packaging | --checks]
 #   --packaging  also what building packages needs
+#   --checks     also what share/scripts/check.sh needs
 set -euo pipefail
 
 packages=(
@@ -17,6 +18,7 @@ packages=(
     python3               # system tests
     xvfb xauth xdotool imagemagick libgl1-mesa-dri # system tests with windows
 )
+[[ ${1:-} != --checks ]] || packages+=(clang-format git)
 [[ ${1:-} != --packaging ]] || packages+=(help2man file dpkg-dev)
 
 missing=()

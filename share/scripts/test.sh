@@ -2,14 +2,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Builds everything and runs all tests: test.sh [PRESET]
 #   PRESET  a preset of CMakePresets.json; default: release
+# With CI=true in the environment, warnings are errors.
 set -euo pipefail
 preset=${1:-release}
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 bash share/scripts/install_deps.sh
-launcher=()
-command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-cmake --preset "$preset" -DSUPERRAY_BUILD_TESTS=ON ${launcher[@]+"${launcher[@]}"}
+options=(-DSUPERRAY_BUILD_TESTS=ON)
+! command -v ccache >/dev/null || options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+[[ ${CI:-} != true ]] || options+=(-DSUPERRAY_WERROR=ON)
+cmake --preset "$preset" "${options[@]}"
 cmake --build --preset "$preset" --parallel "$(nproc)"
 status=0
 ctest --test-dir "build/$preset" --output-on-failure --parallel "$(nproc)" || status=$?

@@ -217,6 +217,8 @@ TEST(Deskew, RaysOutsideTheTrajectoryAreLeftOutAndCounted) {
     EXPECT_EQ(map.digest(), digest);
 }
 
+// From here on for versions of MRPT whose clouds have times.
+
 /// A point of the map, and when the sensor saw it.
 struct SeenPoint {
     Eigen::Vector3d p_map;
@@ -225,7 +227,7 @@ struct SeenPoint {
 
 /// A turn of the sensor, in the order of laser rings, which is not that of time; the time
 /// stamp is in the middle of it.
-std::vector<SeenPoint> seenPoints(const Motion& motion) {
+[[maybe_unused]] std::vector<SeenPoint> seenPoints(const Motion& motion) {
     std::mt19937 random(31);
     std::uniform_real_distribution<double> range(2, 30), up(-0.3, 0.3);
     std::vector<SeenPoint> points;
@@ -252,8 +254,9 @@ void shear(const std::vector<SeenPoint>& points, const Motion& motion, AddPoint 
     }
 }
 
-void expectRestored(const mrpt::maps::CPointsMap::Ptr& sheared,
-                    const std::vector<SeenPoint>& points, const Motion& motion) {
+[[maybe_unused]] void expectRestored(const mrpt::maps::CPointsMap::Ptr& sheared,
+                                     const std::vector<SeenPoint>& points,
+                                     const Motion& motion) {
     mrpt::obs::CObservationPointCloud scan;
     scan.timestamp = mrpt::Clock::now();
     scan.sensorPose = Mounting::pose();

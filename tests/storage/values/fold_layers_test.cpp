@@ -2,6 +2,8 @@
 // Every version of the inner loop equals SensorModel::updated(), bit for bit.
 
 #include "values/fold_layers.h"
+
+#include <cstdlib>
 #include "storage/storage_test_tools.h"
 
 namespace superray::test {
