@@ -17,8 +17,9 @@ TEST_P(FoldLayersTest, EveryVersionEqualsTheSensorModel) {
     const int count = foldVersions(versions);
     ASSERT_GE(count, 1);
     // Unless a lesser instruction set is asked for, the best one is used.
-    if (std::getenv("SUPERRAY_INSTRUCTION_SET") == nullptr)
+    if (std::getenv("SUPERRAY_INSTRUCTION_SET") == nullptr) {
         EXPECT_STREQ(foldForThisCpu().name, versions[count - 1].name);
+    }
 
     std::mt19937 random{11};
     SensorProbabilities other;
