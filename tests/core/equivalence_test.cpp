@@ -228,7 +228,7 @@ TYPED_TEST(Equivalence, LongRaysInThreads) {
         expectSameBits<Dim>(mapOf<Dim>(scans, model, threads).cells, reference.cells());
 }
 
-// Many rays a tile, so that some are walked first; and threads that help each other.
+// Many rays a bin, so that some are walked first; and threads that help each other.
 TYPED_TEST(Equivalence, DenseScansInThreads) {
     constexpr int Dim = TypeParam::value;
     constexpr int kScans = 2, kRays = 20000;
