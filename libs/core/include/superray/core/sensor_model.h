@@ -80,6 +80,12 @@ class SensorModel {
         return capped > scanMiss_ ? capped : scanMiss_;
     }
 
+    /// The most that an unknown cell can have after misses alone, under any policy.
+    float afterFewestMisses() const {
+        return std::max({updated(0, 1, 0, UpdatePolicy::everyRay),
+                         updated(0, 1, 0, UpdatePolicy::netEvidence)});
+    }
+
     /// Design rule 4 and 5 for one cell: the one definition of an update.
     /// \param value current log-odds; 0 for an unknown cell
     float updated(float value, std::uint32_t misses, std::uint32_t hits,
