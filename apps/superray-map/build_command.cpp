@@ -68,7 +68,9 @@ int build(const Arguments& arguments) {
     info.saveToFile(arguments.output);
 
     const auto cells = info.cellTotals();
-    std::cout << describe(report) << "cells      " << formatCount(cells.known)
+    std::cout << describe(report) << "rule       " << describeRule(info.options().insertion)
+              << "\n"
+              << "cells      " << formatCount(cells.known)
               << " known: " << formatCount(cells.occupied) << " occupied, "
               << formatCount(cells.free) << " free\n"
               << "output     " << arguments.output << ", "
@@ -121,8 +123,11 @@ Command declareBuild(CLI::App& app) {
                    "Its section: a multi-metric-map, or S of [S_creationOpts], [S_insertOpts], "
                    "[S_likelihoodOpts], [S_renderOpts]")
         ->type_name("S");
-    app.add_option("--policy", a.map.policy,
-                   "everyRay (default) or oncePerScan (as OctoMap's insertPointCloud)")
+    app.add_option(
+           "--policy", a.map.policy,
+           "How the rays of a scan act on a cell: netEvidence (default; keeps surfaces "
+           "that few rays end in), everyRay (as the super ray paper) or oncePerScan (as "
+           "OctoMap's insertPointCloud); each with its own probabilities")
         ->type_name("POLICY");
     app.add_option(
            "--method", a.map.method,

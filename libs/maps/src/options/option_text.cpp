@@ -128,7 +128,7 @@ void parseValue(const std::string& text, UpdatePolicy& value) {
         value = p;
         return;
     }
-    throw std::invalid_argument("must be everyRay or oncePerScan");
+    throw std::invalid_argument("must be everyRay, oncePerScan or netEvidence");
 }
 
 void parseValue(const std::string& text, Method& value) {

@@ -169,6 +169,9 @@ void TInsertionOptions::setPolicy(UpdatePolicy chosen) {
     policy = chosen;
     probHit = suited.probHit;
     probMiss = suited.probMiss;
+    clampingThresMin = suited.clampMin;
+    scanHitMax = suited.scanHitMax;
+    scanMissMin = suited.scanMissMin;
 }
 void TInsertionOptions::validate() const {
     sensorModel();
@@ -187,6 +190,15 @@ SensorModel TInsertionOptions::sensorModel() const {
     return SensorModel(SensorProbabilities{probHit, probMiss, clampingThresMin,
                                            clampingThresMax, occupancyThres, scanHitMax,
                                            scanMissMin});
+}
+
+std::string describeRule(const TInsertionOptions& o) {
+    std::ostringstream out;
+    out << toString(o.policy) << ", hit " << o.probHit << ", miss " << o.probMiss;
+    if (o.policy == UpdatePolicy::netEvidence)
+        out << ", a scan " << o.scanMissMin << " to " << o.scanHitMax;
+    out << ", clamps " << o.clampingThresMin << " to " << o.clampingThresMax;
+    return out.str();
 }
 
 RangeLimits TInsertionOptions::rangeLimits() const {

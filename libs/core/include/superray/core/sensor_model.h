@@ -29,11 +29,12 @@ struct SensorProbabilities {
     double occupancyThreshold = 0.5;
     /// Policy netEvidence only: what one scan can make of an unknown cell.
     double scanHitMax = 0.9;
-    double scanMissMin = 0.299;
+    double scanMissMin = 0.293;
 
     /// What suits a policy. For everyRay and oncePerScan these are the paper's, as above. For
     /// netEvidence, probHit = 0.9 and probMiss = 0.475: a cell with surface in it ends about
-    /// one ray in ten that reach it, and a free one about one in a hundred.
+    /// one ray in ten that reach it, and a free one about one in a hundred. Its lower clamp is
+    /// scanMissMin: one clear scan makes a cell as free as it gets, and settles it.
     static SensorProbabilities defaultsOf(UpdatePolicy policy);
 };
 

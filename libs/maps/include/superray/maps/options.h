@@ -49,16 +49,17 @@ struct TCreationOptions : public mrpt::config::CLoadableOptions {
 struct TInsertionOptions : public mrpt::config::CLoadableOptions {
     double maxrange = -1;  ///< [m] longer rays are cut and clear only; <= 0: no limit
     double minrange = 0;   ///< [m] nearer returns are skipped
-    // Of the default policy; see setPolicy() and loadFromConfigFile().
+    // The probabilities are those of the default policy; see setPolicy() and
+    // loadFromConfigFile().
     double probHit = 0.9;     ///< in (0.5, 1): what one hit says
     double probMiss = 0.475;  ///< in (0, 0.5): what one miss says
     /// Policy netEvidence only: the most that one scan makes of an unknown cell, in (0.5, 1)
     /// and in (0, 0.5). For a static world, scanMissMin = 0.4 keeps more thin surfaces.
     double scanHitMax = 0.9;
-    double scanMissMin = 0.299;
-    double clampingThresMin = 0.1192;  ///< lowest probability of a cell, in (0, 0.5)
-    double clampingThresMax = 0.971;   ///< highest probability of a cell, in (0.5, 1)
-    double occupancyThres = 0.5;       ///< occupied from this probability on, in (0, 1)
+    double scanMissMin = 0.293;
+    double clampingThresMin = 0.293;  ///< lowest probability of a cell, in (0, 0.5)
+    double clampingThresMax = 0.971;  ///< highest probability of a cell, in (0.5, 1)
+    double occupancyThres = 0.5;      ///< occupied from this probability on, in (0, 1)
     /// netEvidence keeps surfaces that few of the rays end in; everyRay is the paper's rule,
     /// oncePerScan OctoMap's (doc/accuracy.md).
     UpdatePolicy policy = UpdatePolicy::netEvidence;
@@ -80,12 +81,13 @@ struct TInsertionOptions : public mrpt::config::CLoadableOptions {
     /// matching knows where the surface lies in it (costs time and memory).
     bool pointStatistics = false;
 
-    /// Chooses a policy, and the probHit and probMiss that suit it: 0.9 and 0.475 for
-    /// netEvidence, 0.7 and 0.4 for the others. To have other ones, set them afterwards.
+    /// Chooses a policy, and the probabilities that suit it: probHit, probMiss and
+    /// clampingThresMin are 0.9, 0.475 and 0.293 for netEvidence, 0.7, 0.4 and 0.1192 for the
+    /// others. To have other ones, set them afterwards.
     void setPolicy(UpdatePolicy policy);
 
-    /// Absent keys keep their values, but: if `policy` changes, probHit and probMiss become
-    /// those of setPolicy() where they are absent. If `probHit` or `probMiss` is given and
+    /// Absent keys keep their values, but: if `policy` changes, the probabilities become those
+    /// of setPolicy() where they are absent. If `probHit` or `probMiss` is given and
     /// `policy` is not, they are taken for those of an OctoMap configuration, and the policy
     /// becomes oncePerScan, which gives OctoMap's map.
     void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
@@ -102,6 +104,9 @@ struct TInsertionOptions : public mrpt::config::CLoadableOptions {
     /// True if `label` is in sensorLabel, or that is empty.
     bool acceptsSensor(const std::string& label) const;
 };
+
+/// What a scan does to a cell, in a line: policy and probabilities.
+std::string describeRule(const TInsertionOptions& options);
 
 /// Section `<map>_likelihoodOpts`: end-point model. A return scores
 /// log((1 - w) exp(-d^2 / (2 sigma^2)) + w), with d the distance from its end
