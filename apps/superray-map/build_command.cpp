@@ -5,7 +5,6 @@
 #include <superray/eval/progress_meter.h>
 #include <unistd.h>
 
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -73,8 +72,7 @@ int build(const Arguments& arguments) {
               << "cells      " << formatCount(cells.known)
               << " known: " << formatCount(cells.occupied) << " occupied, "
               << formatCount(cells.free) << " free\n"
-              << "output     " << arguments.output << ", "
-              << formatBytes(std::filesystem::file_size(arguments.output)) << "\n";
+              << "output     " << describeOutput(arguments.output) << "\n";
     return kSuccess;
 }
 

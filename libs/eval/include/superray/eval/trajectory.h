@@ -37,8 +37,8 @@ class Trajectory {
     /// \return nothing outside the time range
     std::optional<mrpt::poses::CPose3D> at(Time time, double slack = 0) const;
 
-    /// Writes TUM text (8 columns, see load()); the old file stays on errors.
-    /// \throws InputError
+    /// Writes TUM text (8 columns, see load()), by the rules of AtomicFile.
+    /// \throws MapFileError
     void saveTum(const std::string& path) const;
 
     /// All poses by time.
