@@ -130,7 +130,7 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
         OccupancyMap<Dim>& map = storage_.writable();
         Stopwatch watch;
         const UpdateBatch<Dim>* applied = nullptr;
-        if (ScanIntegrator<Dim>::needsExactCounts(integration, model)) {
+        if (ScanIntegrator<Dim>::needsExactCounts(integration, model, &map)) {
             const auto counts = countCells(rays);
             report.integrateSeconds = watch.lap();
             report.work.rays = rays.size();
