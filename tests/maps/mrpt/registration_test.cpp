@@ -199,7 +199,7 @@ TEST(ConfigFiles, TheAdvancedOneNamesEveryOptionWithItsDefault) {
             EXPECT_TRUE(file.keyExists(section, key)) << section << " " << key;
         }
     }
-    EXPECT_EQ(options, 37u);
+    EXPECT_EQ(options, 39u);
 }
 
 }  // namespace

