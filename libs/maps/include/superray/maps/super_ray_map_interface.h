@@ -94,7 +94,8 @@ class SuperRayMapInterface {
     /// \return true if the map changed
     virtual bool insertObservationAlong(const mrpt::obs::CObservation& observation,
                                         const PoseAtTime& T_map_robot) = 0;
-    /// With the robot's trajectory in the map frame.
+    /// With the robot's trajectory in the map frame: straight between its poses, over at
+    /// most the trajectory's own limit of time if it has one, else kDefaultPoseGap.
     bool insertObservationAlong(const mrpt::obs::CObservation& observation,
                                 const mrpt::poses::CPose3DInterpolator& trajectory);
 
@@ -129,10 +130,10 @@ class SuperRayMapInterface {
     virtual void loadFromFile(const std::string& path) = 0;
 
     /// Binary PLY: centres of occupied cells and their probability.
-    /// \throws std::runtime_error if it cannot be written
+    /// \throws MapFileError if it cannot be written; then an old file is still whole
     virtual void exportPly(const std::string& path) const = 0;
     /// MRPT scene with the map's visualisation, whatever enableSaveAs3DObject is.
-    /// \throws std::runtime_error if it cannot be written
+    /// \throws MapFileError if it cannot be written; then an old file is still whole
     virtual void exportScene(const std::string& path) const = 0;
 };
 
