@@ -69,7 +69,7 @@ class RawlogSource final : public ScanSource {
         }
         total_ = std::min(posed, options_.maxScans);
         skipped_ = {};  // counted again as scans are delivered
-        reader_ = std::make_unique<ObjectReader>(path_);
+        reader_ = std::make_unique<ObjectReader>(path_, FileState::whole);
     }
 
     std::uint64_t total() const override { return total_; }
@@ -93,7 +93,7 @@ class RawlogSource final : public ScanSource {
 
  private:
     void readIndex() {
-        ObjectReader reader(path_);
+        ObjectReader reader(path_, FileState::unknown);
         SkippedObservations ignored;
         try {
             while (auto object = reader.next()) {
