@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <superray/eval/input_error.h>
 #include <superray/eval/map_build.h>
 #include <superray/eval/map_output.h>
 #include <superray/eval/map_request.h>
@@ -33,14 +34,29 @@ struct Arguments {
     std::string output;
     MapRequest map;
     ScanSourceOptions source;
+    std::string poseSource;
     bool fixedRobot = false, acceptTruncated = false, deskew = false;
 };
+
+PoseOrigin poseOrigin(const Arguments& arguments) {
+    const bool hasFile = !arguments.source.posesFile.empty();
+    PoseOrigin origin = hasFile                ? PoseOrigin::file
+                        : arguments.fixedRobot ? PoseOrigin::fixed
+                                               : PoseOrigin::input;
+    if (arguments.poseSource.empty()) return origin;
+    const PoseOrigin asked = poseOriginFromString(arguments.poseSource);
+    if (asked == PoseOrigin::file && !hasFile)
+        throw InputError("--pose-source file needs --poses FILE");
+    if (origin != PoseOrigin::input && asked != origin)
+        throw InputError("--pose-source " + arguments.poseSource + " contradicts " +
+                         (hasFile ? "--poses" : "--fixed-robot"));
+    return asked;
+}
 
 ScanSources markAll(const Arguments& arguments, const std::string& sensorLabels) {
     ScanSourceOptions options = arguments.source;
     options.sensorLabel = sensorLabels;
-    if (!options.posesFile.empty()) options.poses = PoseOrigin::file;
-    if (arguments.fixedRobot) options.poses = PoseOrigin::fixed;
+    options.poses = poseOrigin(arguments);
     if (arguments.acceptTruncated) options.truncation = Truncation::accept;
     ScanSources sources;
     for (const auto& input : arguments.inputs)
@@ -67,7 +83,9 @@ int build(const Arguments& arguments) {
     info.saveToFile(arguments.output);
 
     const auto cells = info.cellTotals();
-    std::cout << describe(report) << "cells      " << formatCount(cells.known)
+    std::cout << describe(report) << "rule       " << describeRule(info.options().insertion)
+              << "\n"
+              << "cells      " << formatCount(cells.known)
               << " known: " << formatCount(cells.occupied) << " occupied, "
               << formatCount(cells.free) << " free\n"
               << "output     " << describeOutput(arguments.output) << "\n";
@@ -105,6 +123,17 @@ Command declareBuild(CLI::App& app) {
                       ->type_name("FILE");
     app.add_flag("--fixed-robot", a.fixedRobot, "The robot stays at the map's origin")
         ->excludes(poses);
+    app.add_option("--pose-source", a.poseSource,
+                   "auto (default), poses, odometry, actions, file or fixed: where the robot "
+                   "poses of a .rawlog come from")
+        ->type_name("SOURCE");
+    app.add_option("--pose-label", a.source.poseLabel,
+                   "Label of the robot poses or of the odometry to use; two labels, separated "
+                   "by a comma: poses that fix an odometry to the map")
+        ->type_name("LABEL");
+    app.add_option("--max-pose-gap", a.source.maxPoseGap,
+                   "Scans between poses that are farther apart in time are left out; default 2")
+        ->type_name("SECONDS");
     app.add_flag(
            "--deskew", a.deskew,
            "The robot moved during each scan: every ray starts where the sensor was at its "
@@ -119,8 +148,11 @@ Command declareBuild(CLI::App& app) {
                    "Its section: a multi-metric-map, or S of [S_creationOpts], [S_insertOpts], "
                    "[S_likelihoodOpts], [S_renderOpts]")
         ->type_name("S");
-    app.add_option("--policy", a.map.policy,
-                   "everyRay (default) or oncePerScan (as OctoMap's insertPointCloud)")
+    app.add_option(
+           "--policy", a.map.policy,
+           "How the rays of a scan act on a cell: netEvidence (default; keeps surfaces "
+           "that few rays end in), everyRay (as the super ray paper) or oncePerScan (as "
+           "OctoMap's insertPointCloud); each with its own probabilities")
         ->type_name("POLICY");
     app.add_option(
            "--method", a.map.method,

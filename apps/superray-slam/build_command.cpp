@@ -122,9 +122,8 @@ int build(const Arguments& arguments) {
     for (const auto& output : arguments.outputs) checkSlamOutputPath(output);
     const TSlamOptions options = slamOptions(arguments);
     ScanSourceOptions sourceOptions = arguments.source;
-    sourceOptions.poses = options.keyFrames.prior == MotionPrior::odometry
-                              ? PoseOrigin::odometry
-                              : PoseOrigin::fixed;
+    sourceOptions.poses = options.keyFrames.prior == MotionPrior::odometry ? PoseOrigin::motion
+                                                                           : PoseOrigin::fixed;
     if (arguments.acceptTruncated) sourceOptions.truncation = Truncation::accept;
     RangeSlam slam(options, makeSlamMap(arguments), startPose(arguments.start));
     const auto source = openScanSource(arguments.input, sourceOptions);

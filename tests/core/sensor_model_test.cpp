@@ -32,6 +32,28 @@ TEST(SensorModel, MissesComeBeforeHitsAndBothClamp) {
     EXPECT_EQ(m.updated(0, 100, 0, P::oncePerScan), m.miss());
 }
 
+TEST(SensorModel, NetEvidenceWeighsHitsAgainstMissesAndCapsTheScan) {
+    const auto net = UpdatePolicy::netEvidence;
+    const SensorModel m(SensorProbabilities::defaultsOf(net));
+    EXPECT_NEAR(m.hit(), 2.197, 0.001);
+    EXPECT_NEAR(m.miss(), -0.100, 0.001);
+    EXPECT_EQ(m.updated(0.25f, 0, 0, net), 0.25f);
+    EXPECT_EQ(m.updated(0, 3, 0, net), 3.0f * m.miss());
+    EXPECT_EQ(m.updated(0, 3, 1, net), m.hit() + 3.0f * m.miss());
+    EXPECT_EQ(m.updated(0, 0, 7, net), m.scanHit());
+    EXPECT_EQ(m.updated(0, 200, 0, net), m.scanMiss());
+    // One clear scan makes a cell free (p < 0.3); one hit among 21 misses leaves it occupied.
+    EXPECT_LT(probabilityOf(m.updated(0, 9, 0, net)), 0.3);
+    EXPECT_GT(m.updated(0, 21, 1, net), 0);
+    EXPECT_LT(m.updated(0, 23, 1, net), 0);
+    // Both clamps hold; counts are cut at 255.
+    EXPECT_EQ(m.updated(m.max(), 0, 1, net), m.max());
+    EXPECT_EQ(m.updated(m.min(), 9, 0, net), m.min());
+    EXPECT_EQ(m.updated(m.min(), 5, 1, net), m.min() + m.evidence(5, 1));
+    EXPECT_EQ(m.evidence(1000, 11), m.evidence(255, 11));
+    EXPECT_EQ(m.evidence(255, 1000), m.evidence(255, 255));
+}
+
 TEST(SensorModel, MoreUpdatesThanToSaturateChangeNothing) {
     int models = 0;
     for (double miss : {0.01, 0.3, 0.4, 0.49, 0.499}) {
@@ -75,6 +97,12 @@ TEST(SensorModel, BadProbabilitiesAreNamed) {
         {&SensorProbabilities::clampMax, 1.0, "clampingThresMax"},
         {&SensorProbabilities::occupancyThreshold, 0.0, "occupancyThres"},
         {&SensorProbabilities::occupancyThreshold, nan, "occupancyThres"},
+        {&SensorProbabilities::scanHitMax, 0.5, "scanHitMax"},
+        {&SensorProbabilities::scanHitMax, 1.0, "scanHitMax"},
+        {&SensorProbabilities::scanHitMax, nan, "scanHitMax"},
+        {&SensorProbabilities::scanMissMin, 0.5, "scanMissMin"},
+        {&SensorProbabilities::scanMissMin, 0.0, "scanMissMin"},
+        {&SensorProbabilities::scanMissMin, nan, "scanMissMin"},
     };
     for (const Case& c : cases) {
         SensorProbabilities p;
@@ -89,8 +117,7 @@ TEST(SensorModel, BadProbabilitiesAreNamed) {
 }
 
 TEST(SensorModel, PolicyNames) {
-    for (auto p : {UpdatePolicy::everyRay, UpdatePolicy::oncePerScan})
-        EXPECT_EQ(updatePolicyFromString(toString(p)), p);
+    for (auto p : kUpdatePolicies) EXPECT_EQ(updatePolicyFromString(toString(p)), p);
     EXPECT_THROW(updatePolicyFromString("sometimes"), std::invalid_argument);
 }
 

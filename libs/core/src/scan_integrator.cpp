@@ -4,9 +4,11 @@
 #include <superray/core/stopwatch.h>
 #include <superray/core/super_rays.h>
 
+#include <optional>
 #include <stdexcept>
 
 #include "directions/scan_bounds.h"
+#include "paper/hit_cells.h"
 #include "scan_walk.h"
 
 namespace superray {
@@ -77,12 +79,23 @@ ScanIntegrator<Dim>::ScanIntegrator(ScanIntegrator&&) noexcept = default;
 template <int Dim>
 ScanIntegrator<Dim>& ScanIntegrator<Dim>::operator=(ScanIntegrator&&) noexcept = default;
 
+/// What settles a cell of a map (nullptr: none).
+template <int Dim>
+static SaturationLimits limitsFor(const IntegratorOptions& options, const SensorModel& model,
+                                  const SaturationSource<Dim>* map) {
+    return {model, options.policy, map != nullptr ? map->valueRange() : LogOddsRange{}};
+}
+
 template <int Dim>
 bool ScanIntegrator<Dim>::needsExactCounts(const IntegratorOptions& options,
-                                           const SensorModel& model) {
-    return options.method == Method::reference ||
-           model.missesToSaturate() > UpdateBatch<Dim>::kMaxCount ||
-           model.hitsToSaturate() > UpdateBatch<Dim>::kMaxCount;
+                                           const SensorModel& model,
+                                           const SaturationSource<Dim>* map) {
+    if (options.method == Method::reference) return true;
+    // netEvidence cuts counts at 255 by definition, and oncePerScan at 1.
+    if (options.policy != UpdatePolicy::everyRay) return false;
+    const SaturationLimits limits = limitsFor<Dim>(options, model, map);
+    return limits.misses > UpdateBatch<Dim>::kMaxCount ||
+           limits.hits > UpdateBatch<Dim>::kMaxCount;
 }
 
 template <int Dim>
@@ -99,15 +112,22 @@ void ScanIntegrator<Dim>::reserve(std::size_t bytes, unsigned threads) {
 }
 
 /// The culling region of a scan; empty if the method or the absence of a map wants none.
+/// Under netEvidence, the misses of cells that are hit matter; the region leaves these out.
 template <int Dim>
 static void buildRegion(CullingRegion<Dim>& region, const RayBundle<Dim>& rays,
-                        const ScanBounds<Dim>& bounds, const SensorModel& model, Method method,
-                        const SaturationSource<Dim>* map) {
+                        const ScanBounds<Dim>& bounds, const SensorModel& model,
+                        const IntegratorOptions& options, const SaturationSource<Dim>* map) {
     region.clear();
+    const Method method = options.method;
     if ((method != Method::culling && method != Method::full) || map == nullptr) return;
+    std::optional<HitCells<Dim>> hits;
+    if (options.policy == UpdatePolicy::netEvidence) hits.emplace(rays, bounds.blocks());
     BlockSaturation<Dim> block;
     const auto saturated = [&](const BlockKey<Dim>& key) {
         block = map->saturation(key, model.min());
+        if (const BlockMask<Dim>* const hit = hits ? hits->in(key) : nullptr)
+            for (int w = 0; w < BlockMask<Dim>::kWords; ++w)
+                block.saturatedFree.words[w] &= ~hit->words[w];
         return block.saturatedFree.any() ? &block.saturatedFree : nullptr;
     };
     region.build(rays.geometry().cellOf(rays.commonOrigin()), bounds.lowest, bounds.highest,
@@ -137,14 +157,15 @@ const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& ray
     }
     statistics.superRaySeconds = watch.lap();
 
-    buildRegion(impl.region, rays, bounds, model, method, map);
+    buildRegion(impl.region, rays, bounds, model, options, map);
     statistics.cullingCells = impl.region.cellCount();
     statistics.cullingSeconds = watch.lap();
 
     const unsigned threads = options.threads;
     const typename ScanWalk<Dim>::Result result =
         grouping   ? impl.walk.walkSuperRays(rays, bounds, threads, *superRays, impl.region)
-        : skipping ? impl.walk.walkSkipping(rays, bounds, threads, map, {model, options.policy})
+        : skipping ? impl.walk.walkSkipping(rays, bounds, threads, map,
+                                            limitsFor<Dim>(options, model, map))
                    : impl.walk.walkEach(rays, bounds, threads, impl.region);
     statistics.traversalSeconds = watch.lap();
     statistics.raysCulled = result.culled;

@@ -89,14 +89,21 @@ auto ScanWalk<Dim>::walkSkipping(const RayBundle<Dim>& rays, const ScanBounds<Di
                                        ? sort_.sorted(rays, used_, workers_[0].counts.directory,
                                                       bestKernels<Dim>().classifyRays)
                                        : rays;
-    const SkippingScan<Dim> scan(walked, map, limits, sampling());
+    SkippingScan<Dim> scan(walked, map, limits, sampling());
     balancer_.begin(used_);
-    std::vector<ChunkReport> reports(used_);
+    const auto chunkOf = [&](std::size_t w) {
+        return RayChunk{balancer_.first(rays.size(), w), balancer_.first(rays.size(), w + 1)};
+    };
     inParallel(used_, [&](std::size_t w) {
         Worker& worker = workers_[w];
         worker.counts.reset(bounds.blocks());
-        const RayChunk chunk{balancer_.first(rays.size(), w),
-                             balancer_.first(rays.size(), w + 1)};
+        worker.skipping.classify(scan, chunkOf(w), worker.counts);
+    });
+    if (limits.hitsUnsettle && used_ > 1) shareHits(scan);
+    std::vector<ChunkReport> reports(used_);
+    inParallel(used_, [&](std::size_t w) {
+        Worker& worker = workers_[w];
+        const RayChunk chunk = chunkOf(w);
         reports[w] = worker.skipping.run(scan, chunk, worker.counts);
         for (std::size_t i = 1; i < used_; ++i)
             worker.skipping.help(workers_[(w + i) % used_].skipping.shared());
@@ -105,6 +112,15 @@ auto ScanWalk<Dim>::walkSkipping(const RayBundle<Dim>& rays, const ScanBounds<Di
     });
     learn(reports);
     return sum();
+}
+
+/// Lets every thread see the hits of all.
+template <int Dim>
+void ScanWalk<Dim>::shareHits(SkippingScan<Dim>& scan) {
+    inParallel(used_, [&](std::size_t w) { workers_[w].hitBlocks.assign(workers_[w].counts); });
+    hitsOfAll_.clear();
+    for (std::size_t w = 0; w < used_; ++w) hitsOfAll_.add(workers_[w].hitBlocks);
+    scan.hitsOfAll = &hitsOfAll_;
 }
 
 /// Samples are tried now and then, and as long as they pay.

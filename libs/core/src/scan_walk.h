@@ -5,6 +5,7 @@
 #include <superray/core/culling_region.h>
 #include <superray/core/super_rays.h>
 
+#include "counting/scan_hits.h"
 #include "directions/scan_bounds.h"
 #include "directions/sector_sort.h"
 #include "paper/end_cells.h"
@@ -55,6 +56,7 @@ class ScanWalk {
         ScanCounts<Dim> counts;
         EndCells<Dim> ends;
         SkippingWalk<Dim> skipping;
+        HitBlocks<Dim> hitBlocks;  // where hits of all threads matter to each
         std::uint64_t culled = 0;
     };
 
@@ -62,6 +64,7 @@ class ScanWalk {
     void countEndCells(const RayBundle<Dim>& rays, const ScanBounds<Dim>& bounds);
     Sampling sampling();
     void learn(const std::vector<ChunkReport>& reports);
+    void shareHits(SkippingScan<Dim>& scan);
     Result sum();
 
     std::vector<Worker> workers_{1};
@@ -69,6 +72,7 @@ class ScanWalk {
     SectorSort<Dim> sort_;
     Backoff samplePays_;
     LoadBalancer balancer_;  // of walkSkipping()
+    ScanHits<Dim> hitsOfAll_;
 };
 
 }  // namespace superray

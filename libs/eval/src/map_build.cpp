@@ -12,13 +12,13 @@ namespace superray {
 namespace {
 
 /// \param trajectory of the robot while it scanned; nullptr: it stood still
-bool insert(mrpt::maps::CMetricMap& map, const Scan& scan, const Trajectory* trajectory,
-            std::uint64_t number) {
+bool insert(mrpt::maps::CMetricMap& map, const Scan& scan, const PoseTrack* trajectory,
+            const PoseLimits& limits, std::uint64_t number) {
     try {
         if (trajectory)
             return dynamic_cast<SuperRayMapInterface&>(map).insertObservationAlong(
                 *scan.observation,
-                [&](mrpt::Clock::time_point time) { return trajectory->at(time); });
+                [&](mrpt::Clock::time_point time) { return trajectory->at(time, limits); });
         return map.insertObservation(*scan.observation, scan.T_map_robot);
     } catch (const std::exception& e) {
         throw InputError("scan " + std::to_string(number) + " (sensor '" +
@@ -49,18 +49,21 @@ BuildReport buildMap(const ScanSources& sources, mrpt::maps::CMetricMap& map,
     const Stopwatch total;
     for (const auto& source : sources) {
         const bool moving = motion == ScanMotion::alongTrajectory;
-        const Trajectory* trajectory = moving ? source->trajectory() : nullptr;
+        const PoseTrack* trajectory = moving ? source->trajectory() : nullptr;
+        PoseLimits limits;
+        limits.maxGap = source->maxPoseGap();
+        report.poses.push_back(source->poses().asText());
         if (moving && !trajectory)
             throw InputError(
-                "de-skewing needs robot poses by time: a .rawlog with CObservationRobotPose or "
-                "odometry, or with a poses file");
+                "de-skewing needs robot poses by time, which an input with poses " +
+                source->poses().asText() + " does not have; give a poses file (--poses FILE)");
         while (report.scans < maxScans) {
             const Stopwatch reading;
             const auto scan = source->next();
             report.readSeconds += reading.seconds();
             if (!scan) break;
             ++report.scans;
-            if (insert(map, *scan, trajectory, report.scans))
+            if (insert(map, *scan, trajectory, limits, report.scans))
                 report.insertion += info.lastInsertion();
             else
                 ++report.unusable;
@@ -69,13 +72,15 @@ BuildReport buildMap(const ScanSources& sources, mrpt::maps::CMetricMap& map,
             progress.seconds = total.seconds();
             onScan(progress);
         }
-        const auto skipped = source->skipped();
-        report.skipped.otherLabel += skipped.otherLabel;
-        report.skipped.withoutPose += skipped.withoutPose;
+        report.skipped += source->skipped();
         if (const auto warning = source->warning(); !warning.empty())
             report.warnings.push_back(warning);
     }
     report.totalSeconds = total.seconds();
+    if (motion == ScanMotion::alongTrajectory && report.insertion.timedRays == 0)
+        report.warnings.push_back(
+            "nothing was de-skewed: no scan tells when its points were measured (raw Velodyne "
+            "packets do, and 2D scans with sweepDuration)");
     if (report.unusable == report.scans)
         throw InputError("none of the " + std::to_string(report.scans) +
                          " scans could be inserted: no ranges or points, or the map's options "
@@ -88,13 +93,18 @@ std::string describe(const BuildReport& r) {
     std::ostringstream out;
     out << "scans      " << formatCount(r.scans) << " in " << formatSeconds(r.totalSeconds)
         << "\n"
-        << "rays       " << formatCount(i.rays) << "\n"
-        << "time       reading " << formatSeconds(r.readSeconds) << ", rays "
+        << "rays       " << formatCount(i.rays) << "\n";
+    for (const auto& poses : r.poses)
+        if (!poses.empty()) out << "poses: " << poses << "\n";
+    out << "time       reading " << formatSeconds(r.readSeconds) << ", rays "
         << formatSeconds(i.toRaysSeconds) << ", integration "
         << formatSeconds(i.integrateSeconds) << ", map update " << formatSeconds(i.applySeconds)
         << "\n";
     std::ostringstream skipped;
     addCount(skipped, "scans outside the time of the poses    ", r.skipped.withoutPose);
+    addCount(skipped, "scans in a gap between two poses       ", r.skipped.inPoseGap);
+    addCount(skipped, "scans without a time stamp             ", r.skipped.withoutTime);
+    addCount(skipped, "poses not finite                       ", r.skipped.badPoses);
     addCount(skipped, "scans of another sensor                ", r.skipped.otherLabel);
     addCount(skipped, "scans without usable ranges or points  ", r.unusable);
     addCount(skipped, "points not finite                      ", i.skipped.notFinite);

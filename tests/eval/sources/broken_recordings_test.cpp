@@ -171,8 +171,9 @@ enum class Outcome { mapped, refused, crashed };
 Outcome outcomeOf(const std::string& path, std::string& how) {
     const pid_t child = ::fork();
     if (child == 0) {
-        ::signal(SIGALRM, SIG_DFL);
-        ::alarm(10);
+        constexpr rlim_t kSeconds = 10;
+        const struct rlimit most = {kSeconds, kSeconds};
+        ::setrlimit(RLIMIT_CPU, &most);
         try {
             mapRecording(path);
         } catch (const InputError&) {

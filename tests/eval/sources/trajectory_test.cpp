@@ -77,10 +77,12 @@ TEST(Trajectory, outsideItsTimesThereIsNoPoseButForTheSlack) {
     t.add(at(11), CPose3D(2, 0, 0, 0, 0, 0));
     EXPECT_FALSE(t.at(at(9.96)));
     EXPECT_FALSE(t.at(at(11.04)));
-    EXPECT_FALSE(t.at(at(9.94), 0.05));
-    EXPECT_FALSE(t.at(at(11.06), 0.05));
-    expectPose(t.at(at(9.96), 0.05), CPose3D(1, 0, 0, 0, 0, 0), 0);
-    expectPose(t.at(at(11.04), 0.05), CPose3D(2, 0, 0, 0, 0, 0), 0);
+    PoseLimits slack;
+    slack.slack = 0.05;
+    EXPECT_FALSE(t.at(at(9.94), slack));
+    EXPECT_FALSE(t.at(at(11.06), slack));
+    expectPose(t.at(at(9.96), slack), CPose3D(1, 0, 0, 0, 0, 0), 0);
+    expectPose(t.at(at(11.04), slack), CPose3D(2, 0, 0, 0, 0, 0), 0);
 }
 
 TEST(Trajectory, saysWhereAFileIsWrong) {

@@ -25,6 +25,8 @@ TEST_P(FoldLayersTest, EveryVersionEqualsTheSensorModel) {
     SensorProbabilities other;
     other.probHit = 0.83;
     other.probMiss = 0.31;
+    other.scanHitMax = 0.99;
+    other.scanMissMin = 0.01;
     const SensorModel models[] = {SensorModel(), SensorModel(other)};
     std::uint64_t cells = 0;
     for (int round = 0; round < 400; ++round) {
@@ -75,8 +77,7 @@ TEST_P(FoldLayersTest, EveryVersionEqualsTheSensorModel) {
     EXPECT_EQ(cells, 400u * 512u * static_cast<unsigned>(count));
 }
 
-INSTANTIATE_TEST_SUITE_P(BothPolicies, FoldLayersTest,
-                         ::testing::Values(UpdatePolicy::everyRay, UpdatePolicy::oncePerScan),
+INSTANTIATE_TEST_SUITE_P(Policies, FoldLayersTest, ::testing::ValuesIn(kUpdatePolicies),
                          [](const auto& c) { return std::string(toString(c.param)); });
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "counting/block_directory.h"
 #include "threads/interleave.h"
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -30,11 +31,9 @@ struct ScanCounts {
         hitOffsets_.clear();
         traversed = 0;
     }
-    /// Sets the number of hits from which on more hits, and misses, change nothing.
-    /// \pre at most 255
-    void setHitsToSaturate(std::uint32_t hits) {
-        hitsToSaturate_ = static_cast<std::uint8_t>(hits);
-    }
+    /// Sets the number of hits from which on more hits, and misses, change nothing. Counts do
+    /// not reach numbers above 255.
+    void setHitsToSaturate(std::uint32_t hits) { hitsToSaturate_ = hits; }
     /// Offset of a block's hit counts in the arena; the block is made on first use.
     std::uint32_t hitOffset(const BlockKey<Dim>& key) { return makeHitOffset(batchBlock(key)); }
     /// The same, for the block at this index of the directory.
@@ -46,19 +45,20 @@ struct ScanCounts {
         if (n < hitOffsets_.size() && hitOffsets_[n] != kNoOffset) return hitOffsets_[n];
         return makeHitOffset(n == 0 ? batchBlock(keyOf()) : n - 1);
     }
-    std::uint8_t hitsToSaturate() const { return hitsToSaturate_; }
+    /// The number of hits that need to be counted.
+    std::uint8_t mostHits() const {
+        return static_cast<std::uint8_t>(std::min(hitsToSaturate_, kMaxCount));
+    }
     /// Offset of nothing.
     static constexpr std::uint32_t kNoOffset = ~std::uint32_t{0};
-    /// Gives the greatest miss count to cells whose hits take them to the upper clamp, however
-    /// many misses come first. Such cells are settled: walks need not count their misses.
+    /// Gives the greatest miss count to cells whose hits decide their value, however many
+    /// misses there are. Such cells are settled: walks need not count their misses.
     void settleSaturatedHits() {
         for (const std::uint32_t b : hitBlocks_) {
             const std::uint8_t* const hits = batch.hits(b);
             std::uint8_t* const misses = batch.missesOf(b);
             for (int i = 0; i < kBlockCells<Dim>; ++i)
-                misses[i] = hits[i] >= hitsToSaturate_
-                                ? std::uint8_t{UpdateBatch<Dim>::kMaxCount}
-                                : misses[i];
+                misses[i] = hits[i] >= hitsToSaturate_ ? std::uint8_t{kMaxCount} : misses[i];
             hitOffsets_[b + 1] = kNoOffset;
         }
         hitBlocks_.clear();
@@ -107,11 +107,13 @@ struct ScanCounts {
     }
 
     static std::uint8_t saturatingAdd(std::uint8_t count, std::uint32_t weight) {
-        constexpr std::uint32_t kMax = UpdateBatch<Dim>::kMaxCount;
-        return static_cast<std::uint8_t>(weight > kMax - count ? kMax : count + weight);
+        return static_cast<std::uint8_t>(weight > kMaxCount - count ? kMaxCount
+                                                                    : count + weight);
     }
 
  private:
+    static constexpr std::uint32_t kMaxCount = UpdateBatch<Dim>::kMaxCount;
+
     std::uint32_t makeHitOffset(std::uint32_t block) {
         if (block + 1 >= hitOffsets_.size())
             hitOffsets_.resize(batch.blockCount() + 1, kNoOffset);
@@ -123,7 +125,7 @@ struct ScanCounts {
         return offset;
     }
 
-    std::uint8_t hitsToSaturate_ = 0;
+    std::uint32_t hitsToSaturate_ = 0;
     std::vector<std::uint32_t> hitBlocks_;   // got hits since settleSaturatedHits()
     std::vector<std::uint32_t> hitOffsets_;  // of these, by number in the directory
 };

@@ -145,9 +145,9 @@ void SuperRayGrouper<Dim>::divideByMappingLine(const RayBundle<Dim>& rays,
         lowest = std::min(lowest, slope);
         highest = std::max(highest, slope);
     }
-    // Distance [cells] within which a ray passes a grid point uncertainly: the
-    // digital line lags by at most (slices + 2) 2^-31 in either coordinate, and
-    // doubles of at most 2^16 add far less.
+    // Distance [cells] within which a ray passes a grid point uncertainly, along either axis:
+    // the digital line lags by at most (slices + 2) 2^-31, and doubles of at most 2^16 add
+    // far less.
     int slices = 0;
     for (int a = 0; a < Dim; ++a)
         slices = std::max(slices, std::abs(endCell[a] - sensorCell[a]));
@@ -158,12 +158,19 @@ void SuperRayGrouper<Dim>::divideByMappingLine(const RayBundle<Dim>& rays,
     const double firstA = firstBorder(originA);
     for (int i = 0; i < crossedA; ++i) {
         const double distance = firstA + i - originA;  // along axis A, > 0
-        const double from = std::max(firstB, std::ceil(originB + distance * lowest - margin));
-        const double to = std::min(lastB, std::floor(originB + distance * highest + margin));
+        // The ray of slope s passes the grid point at height h uncertainly if it is off by
+        // |s * distance - h| <= margin * (1 + s): a lag along A matters s times as much as
+        // one along B. Solved for h, these are the grid points that some ray may pass so;
+        // solved for s, the stretch of the mapping line that one of them makes uncertain.
+        const double from =
+            std::max(firstB, std::ceil(originB + lowest * (distance - margin) - margin));
+        const double to =
+            std::min(lastB, std::floor(originB + highest * (distance + margin) + margin));
         for (double j = from; j <= to; ++j) {
-            const double slope = (j - originB) / distance;
-            const double reach = margin * (1 + std::max(slope, 1.0)) / distance;
-            borders_.push_back({slope - reach, slope + reach});
+            const double height = j - originB;  // > 0
+            borders_.push_back(
+                {(height - margin) / (distance + margin),
+                 distance > margin ? (height + margin) / (distance - margin) : HUGE_VAL});
         }
     }
     if (borders_.size() >= (std::size_t{1} << kSegmentBits) - 1) {

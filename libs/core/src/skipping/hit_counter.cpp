@@ -24,7 +24,7 @@ void HitCounter<Dim>::count(ScanCounts<Dim>& counts, const RayBundle<Dim>& rays,
         const auto local = static_cast<std::uint32_t>(indexInBlock<Dim>(cell));
         const std::uint32_t offset = counts.hitOffset(blockOf<Dim>(cell)) + local;
         std::uint8_t& hits = counts.batch.hitArena()[offset];
-        if (hits < counts.hitsToSaturate()) ++hits;
+        if (hits < counts.mostHits()) ++hits;
     }
 }
 
@@ -56,7 +56,7 @@ std::size_t HitCounter<Dim>::countInterleaved(ScanCounts<Dim>& counts,
                                               const std::uint32_t* runStarts,
                                               std::size_t runs) const {
     std::uint8_t* const arena = counts.batch.hitArena();
-    const std::uint8_t enough = counts.hitsToSaturate();
+    const std::uint8_t enough = counts.mostHits();
     std::size_t changes = 0;
     interleave(runs, [&](std::size_t, std::size_t run) {
         if (offsets_[run] == ScanCounts<Dim>::kNoOffset) return;

@@ -9,8 +9,9 @@ namespace superray {
 
 template <int Dim>
 void SettledRegion<Dim>::reset(const BlockBox<Dim>& box, const SaturationSource<Dim>* map,
-                               const SaturationLimits& limits) {
+                               const SaturationLimits& limits, const ScanHits<Dim>* hitsOfAll) {
     map_ = map;
+    hitsOfAll_ = hitsOfAll;
     limits_ = limits;
     directory_.reset(box);
     blocks_.clear();
@@ -80,11 +81,39 @@ void SettledRegion<Dim>::findSettled(Block& block) {
     block.knowsMap = true;
     block.settled = block.inMap.saturatedFree;
     const auto counted = counts_->ownBatchBlock(block.key);
-    if (!counted || block.settled.all()) return;
-    const BlockMask<Dim> missed =
-        atLeast(counts_->batch.misses(*counted),
-                block.inMap.mayExceedUnknown ? limits_.misses : limits_.missesOfUnknown);
-    for (int w = 0; w < BlockMask<Dim>::kWords; ++w) block.settled.words[w] |= missed.words[w];
+    const std::uint8_t* const misses = counted ? counts_->batch.misses(*counted) : nullptr;
+    if (misses != nullptr && !block.settled.all()) {
+        const BlockMask<Dim> missed = atLeast(
+            misses, block.inMap.mayExceedUnknown ? limits_.misses : limits_.missesOfUnknown);
+        for (int w = 0; w < BlockMask<Dim>::kWords; ++w)
+            block.settled.words[w] |= missed.words[w];
+    }
+    if (!limits_.hitsUnsettle) return;
+    typename ScanHits<Dim>::Counts sum;
+    const std::uint8_t* const hits = hitsOfAll_ != nullptr ? hitsOfAll_->hits(block.key, sum)
+                                     : counted             ? counts_->batch.hits(*counted)
+                                                           : nullptr;
+    if (hits != nullptr) unsettleHits(block, misses, hits);
+}
+
+/// Decides anew about the cells of a block that are hit: how many misses settle them depends
+/// on their hits.
+/// \param misses nullptr: none
+template <int Dim>
+void SettledRegion<Dim>::unsettleHits(Block& block, const std::uint8_t* misses,
+                                      const std::uint8_t* hits) const {
+    static const AtLeast<Dim> atLeast = bestKernels<Dim>().atLeast;
+    const BlockMask<Dim> hit = atLeast(hits, 1);
+    for (int w = 0; w < BlockMask<Dim>::kWords; ++w) {
+        std::uint64_t settled = 0;
+        for (std::uint64_t left = hit.words[w]; left != 0; left &= left - 1) {
+            const int bit = __builtin_ctzll(left), i = 64 * w + bit;
+            const bool enough =
+                (misses != nullptr ? misses[i] : 0) >= limits_.missesBesideHits[hits[i]];
+            settled |= std::uint64_t{enough} << bit;
+        }
+        block.settled.words[w] = (block.settled.words[w] & ~hit.words[w]) | settled;
+    }
 }
 
 /// Spreads the region inside a block, and to its neighbours.

@@ -5,7 +5,7 @@
 #include <superray/core/saturation_source.h>
 
 #include "counting/saturation_limits.h"
-#include "counting/scan_counts.h"
+#include "counting/scan_hits.h"
 #include "skipping/direction_ranges.h"
 
 #include <vector>
@@ -22,7 +22,8 @@ struct Boundary {
 ///
 /// A cell is settled if another miss cannot change it in this scan: the map is saturated free
 /// there, or the scan has missed it often enough, or has hit it so often that misses do not
-/// matter. A boundary cell is one that is not settled and shares a face with the region.
+/// matter. (Policy netEvidence: saturated free and not hit, or missed often enough beside its
+/// hits.) A boundary cell is one that is not settled and shares a face with the region.
 ///
 /// Why this is enough: the cells of a ray, in order, share faces. Those before its first cell
 /// that is not settled are settled, the first of them is the sensor's cell, so all of them
@@ -37,8 +38,9 @@ class SettledRegion {
     /// Forgets the last scan.
     /// \param box blocks of the scan
     /// \param map nullptr: none; must outlive the scan
+    /// \param hitsOfAll as in SkippingScan
     void reset(const BlockBox<Dim>& box, const SaturationSource<Dim>* map,
-               const SaturationLimits& limits);
+               const SaturationLimits& limits, const ScanHits<Dim>* hitsOfAll);
 
     /// Grows the region anew from the sensor's cell, block by block, nearest first, and marks
     /// the boundary cells that rays reach in the ranges. Marks of an earlier call are dropped.
@@ -64,6 +66,7 @@ class SettledRegion {
     std::uint32_t blockAt(const BlockKey<Dim>& key);
     bool enter(Block& block);
     void findSettled(Block& block);
+    void unsettleHits(Block& block, const std::uint8_t* misses, const std::uint8_t* hits) const;
     void spread(std::uint32_t id);
     void pass(const BlockKey<Dim>& to, const BlockMask<Dim>& cells);
     void mark(Block& block);
@@ -73,6 +76,7 @@ class SettledRegion {
     std::vector<std::uint32_t> queue_, visited_;
     SaturationLimits limits_;
     const SaturationSource<Dim>* map_ = nullptr;
+    const ScanHits<Dim>* hitsOfAll_ = nullptr;
 
     // Of the grow() that runs, or ran last.
     std::uint32_t growth_ = 0;

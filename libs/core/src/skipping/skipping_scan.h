@@ -6,6 +6,7 @@
 #include <superray/core/saturation_source.h>
 
 #include "counting/saturation_limits.h"
+#include "counting/scan_hits.h"
 #include "kernels/walk_kernel.h"
 #include "skipping/classified_rays.h"
 #include "skipping/direction_ranges.h"
@@ -21,6 +22,9 @@ template <int Dim>
 struct SkippingScan {
     const RayBundle<Dim>& rays;        ///< with a common origin
     const SaturationSource<Dim>* map;  ///< nullptr: none
+    /// Hits of all threads, once all have classified their rays; nullptr: there is but one
+    /// thread, or the hits of others do not matter.
+    const ScanHits<Dim>* hitsOfAll = nullptr;
     SaturationLimits limits;
     Sampling sampling;
     Units<Dim> origin;     ///< of the rays

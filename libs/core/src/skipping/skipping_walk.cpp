@@ -15,6 +15,14 @@ bool worthGrowing(double slicesLeft, const Boundary& last) {
 }  // namespace
 
 template <int Dim>
+void SkippingWalk<Dim>::classify(const SkippingScan<Dim>& scan, RayChunk chunk,
+                                 ScanCounts<Dim>& counts) {
+    if (chunk.size() == 0) return;
+    counts.setHitsToSaturate(scan.limits.hits);
+    classifier_.classify(scan, chunk, counts, rays_, ranges_);
+}
+
+template <int Dim>
 ChunkReport SkippingWalk<Dim>::run(const SkippingScan<Dim>& scan, RayChunk chunk,
                                    ScanCounts<Dim>& counts) {
     const WorkQueue::Round round(shared_->queue);  // helpers may come; also ends it on failure
@@ -23,11 +31,8 @@ ChunkReport SkippingWalk<Dim>::run(const SkippingScan<Dim>& scan, RayChunk chunk
     walker_.start(scan, counts);
     if (chunk.size() == 0) return report;
 
-    counts.setHitsToSaturate(scan.limits.hits);
-    classifier_.classify(scan, chunk, counts, rays_, ranges_);
     report.work = SkippingCosts::kWorkOfAnyRay * static_cast<double>(chunk.size());
-
-    region_.reset(counts.directory.box(), scan.map, scan.limits);
+    region_.reset(counts.directory.box(), scan.map, scan.limits, scan.hitsOfAll);
     Boundary boundary = grow(stage);
     if (!boundary.sensorCellSettled) {
         // Nothing is settled for any ray, however well known the rest of the map is. A few

@@ -30,7 +30,8 @@ struct ChunkReport {
 /// Most cells that a ray passes are settled: another miss cannot change them. Those next to
 /// the sensor form one connected region, and only its boundary cells are worth a visit.
 ///
-///   1 classify   direction bin and last slice of each ray; hits are counted on the way
+///   1 classify   direction bin and last slice of each ray; hits are counted on the way.
+///                Where hits matter to all, threads wait for each other here
 ///   2 build      per bin, the farthest end cell: the DirectionRanges
 ///   3 grow       the settled region around the sensor; its boundary cells that rays reach
 ///                are marked in the ranges, with the first slice in which they are met
@@ -42,8 +43,11 @@ struct ChunkReport {
 template <int Dim>
 class SkippingWalk {
  public:
-    /// Counts what the rays of a chunk may change, into `counts`.
+    /// Stages 1 and 2. Counts the hits of a chunk, into `counts`.
     /// \pre counts.reset() was called for the scan
+    void classify(const SkippingScan<Dim>& scan, RayChunk chunk, ScanCounts<Dim>& counts);
+    /// The other stages. Counts the misses where the rays of the chunk may change the map.
+    /// \pre classify() with the same arguments; scan.hitsOfAll may have been set since
     ChunkReport run(const SkippingScan<Dim>& scan, RayChunk chunk, ScanCounts<Dim>& counts);
 
     /// Chosen rays of this chunk, for threads that have nothing else to do.

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <charconv>
+#include <chrono>
 #include <fstream>
 #include <map>
 #include <vector>
@@ -107,32 +108,46 @@ mrpt::maps::CSimplePointsMap::Ptr readPoints(const fs::path& path) {
 
 class KittiSource final : public ScanSource {
  public:
-    KittiSource(const fs::path& folder, const ScanSourceOptions& options) {
+    KittiSource(const fs::path& folder, const ScanSourceOptions& options) : lookup_(options) {
         if (!acceptsLabel(options, kLabel))
             throw InputError(folder.string() + ": the scans have the sensor label '" + kLabel +
                              "', but '" + options.sensorLabel + "' is asked for");
         const auto files = listScans(folder);
         const std::size_t frameCount = files.rbegin()->first + 1;
         const auto times = readTimes(folder, frameCount);
-        const PoseLookup lookup(options);
         std::vector<mrpt::poses::CPose3D> own;
-        if (lookup.usesInput()) own = readPoses(folder, frameCount);
+        if (lookup_.usesInput()) own = readPoses(folder, frameCount);
+        for (std::size_t i = 0; i < own.size() && i < times.size(); ++i)
+            track_.add(times[i], own[i]);
         for (const auto& [index, file] : files) {
             if (frames_.size() == options.maxScans) break;
-            const auto pose = lookup.pose(
-                times[index], lookup.usesInput() ? std::optional(own[index]) : std::nullopt);
-            if (pose)
-                frames_.push_back({file, times[index], *pose});
+            const auto pose = lookup_.pose(
+                times[index], lookup_.usesInput() ? std::optional(own[index]) : std::nullopt);
+            if (pose.pose)
+                frames_.push_back({file, times[index], *pose.pose});
             else
-                ++skipped_.withoutPose;
+                countWithoutPose(pose, skipped_);
         }
+        const auto first = times[files.begin()->first];
         if (frames_.empty())
-            lookup.throwNoScanHasPose(folder.string(), times[files.begin()->first],
-                                      times[files.rbegin()->first], {});
+            throwNoScanHasPose(folder.string(), options, first, times[files.rbegin()->first],
+                               lookup_.fromFile());
+        PoseSummary summary("poses of the folder", own.size());
+        if (!track_.empty()) {
+            const auto after = [&](Trajectory::Time time) {
+                return std::chrono::duration<double>(time - first).count();
+            };
+            summary.setTimes(after(track_.firstTime()), after(track_.lastTime()));
+        }
+        summary_ = lookup_.summary(first, summary);
     }
 
     std::uint64_t total() const override { return frames_.size(); }
     SkippedObservations skipped() const override { return skipped_; }
+    PoseSummary poses() const override { return summary_; }
+    const PoseTrack* trajectory() const override {
+        return lookup_.usesInput() ? &track_ : lookup_.fromFile();
+    }
 
     std::optional<Scan> next() override {
         if (next_ == frames_.size()) return std::nullopt;
@@ -211,6 +226,9 @@ class KittiSource final : public ScanSource {
                              " for " + std::to_string(frames) + " frames in velodyne/");
     }
 
+    PoseLookup lookup_;
+    PoseTrack track_;  // of the folder's own poses
+    PoseSummary summary_;
     std::vector<Frame> frames_;
     std::size_t next_ = 0;
     SkippedObservations skipped_;

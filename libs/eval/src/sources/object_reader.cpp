@@ -9,6 +9,15 @@ namespace superray {
 
 using mrpt::serialization::CSerializable;
 
+namespace {
+
+/// True for what MRPT says of an object whose class it does not know.
+bool isOfUnknownClass(const std::string& message) {
+    return message.find("is not registered") != std::string::npos;
+}
+
+}  // namespace
+
 std::unique_ptr<CompressedInput> openInput(const std::string& path) {
     try {
         return std::make_unique<CompressedInput>(path);
@@ -22,7 +31,7 @@ std::string readFailure(CompressedInput& file, const std::exception& error) {
     if (!file.error().empty()) return file.error();
     const std::string text = error.what();
     const auto has = [&](const char* part) { return text.find(part) != std::string::npos; };
-    if (has("unknown serialization version") || has("is not registered"))
+    if (has("unknown serialization version") || isOfUnknownClass(text))
         return oneLineCause(error) + " (written by a newer MRPT than this program's, " +
                mrpt::system::MRPT_getVersion() + "?)";
     return atEnd ? "the file ends inside an object" : oneLineCause(error);
@@ -78,8 +87,9 @@ void ObjectReader::fail(const std::string& why) const {
                                 " whole objects, at byte " +
                                 std::to_string(file_->fileOffset()) + " of " +
                                 std::to_string(file_->fileSize());
-    const bool endsInsideObject = file_->error().empty() && file_->atEnd();
-    if (file_->truncated() || endsInsideObject) throw TruncatedInputError(message);
+    const bool isWholeSoFar =
+        file_->error().empty() && (file_->atEnd() || isOfUnknownClass(why));
+    if (file_->truncated() || isWholeSoFar) throw TruncatedInputError(message);
     throw InputError(message);
 }
 

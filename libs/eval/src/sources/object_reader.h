@@ -16,8 +16,8 @@
 
 namespace superray {
 
-/// The file ends too early: what was read before is whole. Other errors are damage,
-/// after which nothing is certain.
+/// The file ends too early, or an object is of a class that this MRPT does not know: what
+/// was read before is whole. Other errors are damage, after which nothing is certain.
 class TruncatedInputError : public InputError {
  public:
     using InputError::InputError;

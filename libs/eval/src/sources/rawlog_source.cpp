@@ -1,33 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mrpt/img/CImage.h>
-#include <mrpt/io/lazy_load_path.h>
 #include <mrpt/obs/CActionCollection.h>
-#include <mrpt/obs/CObservationOdometry.h>
-#include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <superray/eval/input_error.h>
 
 #include <algorithm>
 #include <deque>
 #include <functional>
+#include <map>
+#include <optional>
 #include <vector>
 
+#include "sources/external_folders.h"
 #include "sources/object_reader.h"
+#include "sources/poses/scan_poses.h"
 #include "sources/scan_source_formats.h"
 
 namespace superray {
 namespace {
 
-namespace fs = std::filesystem;
 using mrpt::obs::CActionCollection;
 using mrpt::obs::CObservation;
 using mrpt::obs::CSensoryFrame;
 using mrpt::poses::CPose3D;
 using mrpt::serialization::CSerializable;
-
-/// Odometry and scans are rarely logged at the same instant: how long before
-/// the first or after the last pose a scan may be [s].
-constexpr double kPoseSlack = 0.05;
 
 /// Calls `visit` for the observations that an object is or holds.
 void forEachObservation(const CSerializable::Ptr& object,
@@ -39,150 +34,161 @@ void forEachObservation(const CSerializable::Ptr& object,
     }
 }
 
+/// Numbers observations, actions and objects as they come: the same in every pass.
+class Counter {
+ public:
+    void nextObject() { ++group_; }
+    Place nextEntry(mrpt::Clock::time_point time) { return {time, ++order_, group_}; }
+
+ private:
+    std::uint64_t order_ = 0, group_ = 0;
+};
+
 /// What the first pass learns.
 struct Index {
-    Trajectory robotPoses, odometry;
-    bool hasActions = false;
-    std::vector<Trajectory::Time> scanTimes;
+    RecordedPoses recorded;
     std::uint64_t objects = 0;  ///< to read in the second pass
     std::string warning;
+};
 
-    /// Poses by time, in order of preference; empty if they come from actions.
-    const Trajectory& trajectory() const {
-        return robotPoses.empty() && !hasActions ? odometry : robotPoses;
+/// Tells sensors apart by label and class.
+class SensorNumbers {
+ public:
+    unsigned of(const CObservation& observation) {
+        const auto name =
+            observation.sensorLabel + "\n" + observation.GetRuntimeClass()->className;
+        return numbers_.emplace(name, static_cast<unsigned>(numbers_.size())).first->second;
     }
-    bool posesFromActions() const { return robotPoses.empty() && hasActions; }
+
+ private:
+    std::map<std::string, unsigned> numbers_;
 };
 
 class RawlogSource final : public ScanSource {
  public:
     RawlogSource(const std::string& path, const ScanSourceOptions& options)
-        : path_(path), options_(options), poses_(options) {
+        : path_(path), options_(options), folders_(path) {
         readIndex();
-        if (index_.scanTimes.empty()) throwNoScans(path_, options_, skipped_);
+        const auto& scans = index_.recorded.scans;
+        if (scans.empty()) throwNoScans(path_, options_, skipped_);
+        poses_.emplace(index_.recorded, options_, path_);
         std::uint64_t posed = 0;
-        for (const auto& time : index_.scanTimes) posed += poseAt(time).has_value();
+        for (const ScanPlace& s : scans) posed += poses_->at(s.place).pose.has_value();
         if (posed == 0) {
-            const auto [first, last] =
-                std::minmax_element(index_.scanTimes.begin(), index_.scanTimes.end());
-            poses_.throwNoScanHasPose(path_, *first, *last, index_.trajectory());
+            const auto [first, last] = std::minmax_element(
+                scans.begin(), scans.end(), [](const ScanPlace& a, const ScanPlace& b) {
+                    return a.place.time < b.place.time;
+                });
+            throwNoScanHasPose(path_, options_, first->place.time, last->place.time,
+                               poses_->track());
         }
         total_ = std::min(posed, options_.maxScans);
         skipped_ = {};  // counted again as scans are delivered
+        skipped_.badPoses = poses_->notFinite();
+        index_.recorded = {};
         reader_ = std::make_unique<ObjectReader>(path_, FileState::whole);
     }
 
     std::uint64_t total() const override { return total_; }
     SkippedObservations skipped() const override { return skipped_; }
     std::string warning() const override { return index_.warning; }
-
-    const Trajectory* trajectory() const override {
-        if (!poses_.usesInput()) return poses_.fromFile();
-        return index_.posesFromActions() ? nullptr : &index_.trajectory();
-    }
+    const PoseTrack* trajectory() const override { return poses_->track(); }
+    PoseSummary poses() const override { return poses_->summary(); }
 
     std::optional<Scan> next() override {
         while (ready_.empty() && reader_->objects() < index_.objects) take(reader_->next());
         if (ready_.empty() || delivered_ == total_) return std::nullopt;
-        useExternalsFolder();
         ++delivered_;
         Scan scan = std::move(ready_.front());
         ready_.pop_front();
+        findExternalFiles(*scan.observation);
         return scan;
     }
 
  private:
     void readIndex() {
         ObjectReader reader(path_, FileState::unknown);
-        SkippedObservations ignored;
+        Counter counter;
         try {
             while (auto object = reader.next()) {
-                index_.hasActions |= IS_CLASS(*object, CActionCollection);
-                forEachObservation(object, [&](const auto& o) { addToIndex(*o); });
+                counter.nextObject();
+                addActions(*object, counter);
+                forEachObservation(object, [&](const CObservation::Ptr& o) {
+                    addToIndex(*o, counter.nextEntry(o->timestamp));
+                });
                 index_.objects = reader.objects();
-                if (indexIsEnough()) break;
             }
         } catch (const InputError& e) {
             const std::string message = std::string(e.what()) + "; scans before it: " +
-                                        std::to_string(index_.scanTimes.size());
+                                        std::to_string(index_.recorded.scans.size());
             const bool isTruncated = dynamic_cast<const TruncatedInputError*>(&e) != nullptr;
             if (isTruncated && options_.truncation == Truncation::error)
                 throw InputError(message + " (--accept-truncated takes those)");
             if (!isTruncated && options_.truncation == Truncation::accept)
                 throw InputError(message +
                                  "; it is damaged, not truncated: nothing of it is certain");
-            if (!isTruncated || index_.scanTimes.empty()) throw InputError(message);
+            if (!isTruncated || index_.recorded.scans.empty()) throw InputError(message);
             index_.warning = message;
         }
     }
 
-    void addToIndex(const CObservation& observation) {
-        using mrpt::obs::CObservationOdometry;
-        using mrpt::obs::CObservationRobotPose;
-        const bool odometryOnly = options_.poses == PoseOrigin::odometry;
-        const auto* p = dynamic_cast<const CObservationRobotPose*>(&observation);
-        if (p && !odometryOnly)
-            index_.robotPoses.add(p->timestamp, p->pose.mean);
-        else if (const auto* o = dynamic_cast<const CObservationOdometry*>(&observation))
-            index_.odometry.add(o->timestamp, CPose3D(o->odometry));
-        else if (isRangeObservation(observation) &&
-                 hasWantedLabel(observation, options_, skipped_))
-            index_.scanTimes.push_back(observation.timestamp);
+    void findExternalFiles(const CObservation& observation) const {
+        try {
+            folders_.useFor(observation);
+        } catch (const InputError& e) {
+            throw InputError(path_ + ": scan " + std::to_string(delivered_) + " (sensor '" +
+                             observation.sensorLabel + "') cannot be inserted: " + e.what());
+        }
     }
 
-    /// True once the first maxScans scans and the poses around them are known.
-    bool indexIsEnough() const {
-        if (index_.scanTimes.size() < options_.maxScans) return false;
-        if (poses_.usesInput() && index_.posesFromActions()) return true;
-        std::uint64_t posed = 0;
-        for (const auto& t : index_.scanTimes)
-            posed += poses_.pose(t, index_.trajectory().at(t)).has_value();
-        return posed >= options_.maxScans;
+    void addActions(const CSerializable& object, Counter& counter) {
+        const auto* actions = dynamic_cast<const CActionCollection*>(&object);
+        if (actions == nullptr) return;
+        const auto time =
+            actions->size() > 0 ? (*actions->begin())->timestamp : mrpt::Clock::time_point();
+        const Place place = counter.nextEntry(time);
+        CPose3D increment;
+        if (!actions->getFirstMovementEstimationMean(increment)) {
+            ++index_.recorded.streams.emptyActions;
+        } else if (!index_.recorded.streams.addAction(increment, place)) {
+            throw InputError(path_ + ": the movement of action " +
+                             std::to_string(index_.recorded.streams.actions.entries.size()) +
+                             " is not finite: no pose after it is known");
+        }
     }
 
-    std::optional<CPose3D> poseAt(Trajectory::Time time) const {
-        std::optional<CPose3D> own;
-        if (poses_.usesInput())
-            own = index_.posesFromActions() ? T_map_robot_
-                                            : index_.trajectory().at(time, kPoseSlack);
-        return poses_.pose(time, own);
+    void addToIndex(const CObservation& observation, const Place& place) {
+        index_.recorded.streams.add(observation, place);
+        if (isRangeObservation(observation) && hasWantedLabel(observation, options_, skipped_))
+            index_.recorded.scans.push_back({place, sensors_.of(observation)});
     }
 
     void take(const CSerializable::Ptr& object) {
-        if (auto actions = std::dynamic_pointer_cast<CActionCollection>(object)) {
-            CPose3D increment;
-            if (actions->getFirstMovementEstimationMean(increment))
-                T_map_robot_ = T_map_robot_ + increment;
-        }
+        counter_.nextObject();
+        if (IS_CLASS(*object, CActionCollection)) counter_.nextEntry({});
         forEachObservation(object, [&](const CObservation::Ptr& o) {
+            const Place place = counter_.nextEntry(o->timestamp);
             if (!isRangeObservation(*o) || !hasWantedLabel(*o, options_, skipped_)) return;
-            if (const auto pose = poseAt(o->timestamp))
-                ready_.push_back({o->timestamp, *pose, o});
+            const PoseAnswer answer = poses_->at(place);
+            if (answer.pose)
+                ready_.push_back({o->timestamp, *answer.pose, o});
+            else if (!place.hasTime())
+                ++skipped_.withoutTime;
             else
-                ++skipped_.withoutPose;
+                countWithoutPose(answer, skipped_);
         });
-    }
-
-    void useExternalsFolder() const {
-        fs::path folder = path_;
-        while (folder.extension() == ".gz" || folder.extension() == ".rawlog")
-            folder.replace_extension();
-        folder += "_Images";
-        std::error_code error;
-        if (!fs::is_directory(folder, error)) return;
-        const std::string name = fs::absolute(folder).string();
-        mrpt::io::setLazyLoadPathBase(name);
-        mrpt::img::CImage::setImagesPathBase(name);
     }
 
     std::string path_;
     ScanSourceOptions options_;
-    PoseLookup poses_;
+    ExternalFolders folders_;
+    SensorNumbers sensors_;
     Index index_;
+    std::optional<ScanPoses> poses_;  // set from the index
     std::uint64_t total_ = 0, delivered_ = 0;
     SkippedObservations skipped_;
     std::unique_ptr<ObjectReader> reader_;
-    CPose3D T_map_robot_;  // sum of the actions so far
+    Counter counter_;
     std::deque<Scan> ready_;
 };
 

@@ -135,6 +135,9 @@ class ScanGraphSource final : public ScanSource {
     std::uint64_t total() const override { return total_; }
     SkippedObservations skipped() const override { return {}; }
     std::string warning() const override { return warning_; }
+    PoseSummary poses() const override {
+        return lookup_.summary({}, PoseSummary("nodes of the graph", reader_.nodes()));
+    }
 
     std::optional<Scan> next() override {
         if (delivered_ == total_) return std::nullopt;
@@ -144,7 +147,7 @@ class ScanGraphSource final : public ScanSource {
         observation->timestamp = mrpt::Clock::time_point();
         observation->pointcloud = reader_.readPoints();
         const auto pose = lookup_.pose(observation->timestamp, reader_.readPose());
-        return Scan{observation->timestamp, *pose, observation};
+        return Scan{observation->timestamp, *pose.pose, observation};
     }
 
  private:

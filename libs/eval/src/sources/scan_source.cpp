@@ -7,6 +7,7 @@
 #include <superray/eval/input_error.h>
 #include <superray/maps/options.h>
 
+#include <chrono>
 #include <cstdio>
 
 #include "sources/scan_source_formats.h"
@@ -53,36 +54,58 @@ bool hasWantedLabel(const mrpt::obs::CObservation& observation,
 
 PoseLookup::PoseLookup(const ScanSourceOptions& options)
     : origin_(options.poses), file_(options.posesFile) {
+    limits_.maxGap = options.maxPoseGap;
     if (origin_ == PoseOrigin::file) trajectory_ = Trajectory::load(file_);
 }
 
-std::optional<mrpt::poses::CPose3D> PoseLookup::pose(
-    Trajectory::Time time, const std::optional<mrpt::poses::CPose3D>& fromInput) const {
-    switch (origin_) {
-        case PoseOrigin::file:
-            return trajectory_.at(time);
-        case PoseOrigin::fixed:
-            return mrpt::poses::CPose3D();
-        case PoseOrigin::input:
-        case PoseOrigin::odometry:
-            break;
-    }
-    return fromInput;
+PoseAnswer PoseLookup::pose(Trajectory::Time time,
+                            const std::optional<mrpt::poses::CPose3D>& fromInput) const {
+    if (origin_ == PoseOrigin::file) return trajectory_.lookUp(time, limits_);
+    if (origin_ == PoseOrigin::fixed)
+        return {PoseAnswer::Result::found, mrpt::poses::CPose3D()};
+    if (fromInput) return {PoseAnswer::Result::found, fromInput};
+    return {};
 }
 
-void PoseLookup::throwNoScanHasPose(const std::string& path, Trajectory::Time firstScan,
-                                    Trajectory::Time lastScan,
-                                    const Trajectory& inputPoses) const {
-    const Trajectory& poses = usesInput() ? inputPoses : trajectory_;
-    if (poses.empty())
+PoseSummary PoseLookup::summary(Trajectory::Time firstScan,
+                                const PoseSummary& fromInput) const {
+    PoseSummary summary = fromInput;
+    if (origin_ == PoseOrigin::fixed)
+        summary = PoseSummary("the robot stays at the map's origin");
+    if (origin_ == PoseOrigin::file) {
+        const auto after = [&](Trajectory::Time time) {
+            return std::chrono::duration<double>(time - firstScan).count();
+        };
+        summary = PoseSummary("file '" + file_ + "'", trajectory_.size());
+        summary.setTimes(after(trajectory_.firstTime()), after(trajectory_.lastTime()));
+    }
+    return summary;
+}
+
+void countWithoutPose(const PoseAnswer& answer, SkippedObservations& skipped) {
+    ++(answer.result == PoseAnswer::Result::inGap ? skipped.inPoseGap : skipped.withoutPose);
+}
+
+void throwNoScanHasPose(const std::string& path, const ScanSourceOptions& options,
+                        Trajectory::Time firstScan, Trajectory::Time lastScan,
+                        const PoseTrack* poses) {
+    if (poses == nullptr || poses->empty())
         throw InputError(path +
-                         ": holds no robot poses (CObservationRobotPose, actions or odometry); "
-                         "give a poses file (--poses FILE), or say that the robot did not move "
-                         "(--fixed-robot)");
+                         ": holds no robot poses (CObservationRobotPose, actions or odometry)"
+                         " that can be used; give a poses file (--poses FILE), or say that the"
+                         " robot did not move (--fixed-robot)");
+    const bool ofFile = options.poses == PoseOrigin::file;
+    const bool overlap = firstScan <= poses->lastTime() && lastScan >= poses->firstTime();
+    char gap[40];
+    std::snprintf(gap, sizeof gap, "%g", options.maxPoseGap);
     throw InputError(
-        (usesInput() ? path : file_) + ": no pose is at the time of a scan: poses " +
-        asSeconds(poses.firstTime()) + " to " + asSeconds(poses.lastTime()) + " s, scans of " +
-        path + " " + asSeconds(firstScan) + " to " + asSeconds(lastScan) + " s");
+        (ofFile ? options.posesFile : path) + ": no pose is at the time of a scan: poses " +
+        asSeconds(poses->firstTime()) + " to " + asSeconds(poses->lastTime()) +
+        " s, scans of " + path + " " + asSeconds(firstScan) + " to " + asSeconds(lastScan) +
+        " s" +
+        (overlap
+             ? std::string("; gaps of more than ") + gap + " s are not bridged (--max-pose-gap)"
+             : ""));
 }
 
 void throwNoScans(const std::string& path, const ScanSourceOptions& options,
@@ -95,14 +118,25 @@ void throwNoScans(const std::string& path, const ScanSourceOptions& options,
                      "observations)");
 }
 
-std::unique_ptr<ScanSource> openScanSource(const std::string& path,
-                                           const ScanSourceOptions& options) {
+namespace {
+
+std::unique_ptr<ScanSource> openAnySource(const std::string& path,
+                                          const ScanSourceOptions& options) {
     if (options.maxScans == 0) throw InputError("the number of scans must be at least 1");
     std::error_code error;
     if (!fs::exists(path, error)) throw InputError(path + ": no such file or folder");
     const bool isRawlog = endsWith(path, ".rawlog") || endsWith(path, ".rawlog.gz");
-    if (options.poses == PoseOrigin::odometry && !isRawlog)
-        throw InputError(path + ": has no odometry (rawlogs may have)");
+    const bool asksRawlog = options.poses != PoseOrigin::input &&
+                            options.poses != PoseOrigin::file &&
+                            options.poses != PoseOrigin::fixed;
+    if (asksRawlog && !isRawlog)
+        throw InputError(path + ": has no choice of poses '" + toString(options.poses) +
+                         "' (rawlogs may have)");
+    if (!options.poseLabel.empty() && !isRawlog)
+        throw InputError(path + ": its poses have no labels, so '" + options.poseLabel +
+                         "' is not among them (rawlogs may have)");
+    if (!(options.maxPoseGap >= 0))
+        throw InputError("the longest gap between poses must be at least 0 s");
     if (fs::is_directory(path, error)) return openKitti(path, options);
     if (endsWith(path, ".simplemap") || endsWith(path, ".simplemap.gz"))
         return openSimpleMap(path, options);
@@ -111,6 +145,15 @@ std::unique_ptr<ScanSource> openScanSource(const std::string& path,
     throw InputError(path +
                      ": unknown input; known are .rawlog, .simplemap, .graph (OctoMap) and "
                      "KITTI odometry folders");
+}
+
+}  // namespace
+
+std::unique_ptr<ScanSource> openScanSource(const std::string& path,
+                                           const ScanSourceOptions& options) {
+    auto source = openAnySource(path, options);
+    source->setMaxPoseGap(options.maxPoseGap);
+    return source;
 }
 
 }  // namespace superray

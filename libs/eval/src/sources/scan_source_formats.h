@@ -39,22 +39,32 @@ class PoseLookup {
     const Trajectory* fromFile() const {
         return origin_ == PoseOrigin::file ? &trajectory_ : nullptr;
     }
+    /// The poses in words.
+    /// \param firstScan time stamp of the first scan
+    /// \param fromInput what the input itself has
+    PoseSummary summary(Trajectory::Time firstScan, const PoseSummary& fromInput) const;
 
     /// The robot pose for a scan.
     /// \param fromInput what the input itself says
-    std::optional<mrpt::poses::CPose3D> pose(
-        Trajectory::Time time, const std::optional<mrpt::poses::CPose3D>& fromInput) const;
-
-    /// The error of an input of which no scan has a pose.
-    [[noreturn]] void throwNoScanHasPose(const std::string& path, Trajectory::Time firstScan,
-                                         Trajectory::Time lastScan,
-                                         const Trajectory& inputPoses) const;
+    PoseAnswer pose(Trajectory::Time time,
+                    const std::optional<mrpt::poses::CPose3D>& fromInput) const;
 
  private:
     PoseOrigin origin_;
     std::string file_;
+    PoseLimits limits_;
     Trajectory trajectory_;
 };
+
+/// Counts a scan that has no pose.
+void countWithoutPose(const PoseAnswer& answer, SkippedObservations& skipped);
+
+/// The error of an input of which no scan has a pose.
+/// \param path of the input
+/// \param poses those by time that were used; nullptr if there are none
+[[noreturn]] void throwNoScanHasPose(const std::string& path, const ScanSourceOptions& options,
+                                     Trajectory::Time firstScan, Trajectory::Time lastScan,
+                                     const PoseTrack* poses);
 
 /// The error of an input without scans, naming the label that was asked for.
 [[noreturn]] void throwNoScans(const std::string& path, const ScanSourceOptions& options,

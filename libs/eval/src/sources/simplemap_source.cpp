@@ -50,8 +50,8 @@ mrpt::maps::CSimpleMap readGuarded(const std::string& path) {
 
 class SimpleMapSource final : public ScanSource {
  public:
-    SimpleMapSource(const std::string& path, const ScanSourceOptions& options) {
-        const PoseLookup poses(options);
+    SimpleMapSource(const std::string& path, const ScanSourceOptions& options)
+        : poses_(options) {
         const auto map = readGuarded(path);
         std::vector<Trajectory::Time> times;
         for (std::size_t i = 0; i < map.size() && scans_.size() < options.maxScans; ++i) {
@@ -65,20 +65,23 @@ class SimpleMapSource final : public ScanSource {
                     !hasWantedLabel(*observation, options, skipped_))
                     continue;
                 times.push_back(observation->timestamp);
-                const auto pose = poses.pose(observation->timestamp, T_map_robot);
-                if (!pose)
-                    ++skipped_.withoutPose;
+                const auto pose = poses_.pose(observation->timestamp, T_map_robot);
+                if (!pose.pose)
+                    countWithoutPose(pose, skipped_);
                 else if (scans_.size() < options.maxScans)
-                    scans_.push_back({observation->timestamp, *pose, observation});
+                    scans_.push_back({observation->timestamp, *pose.pose, observation});
             }
         }
         if (times.empty()) throwNoScans(path, options, skipped_);
         const auto [first, last] = std::minmax_element(times.begin(), times.end());
-        if (scans_.empty()) poses.throwNoScanHasPose(path, *first, *last, {});
+        if (scans_.empty()) throwNoScanHasPose(path, options, *first, *last, poses_.fromFile());
+        summary_ = poses_.summary(*first, PoseSummary("key frames", map.size()));
     }
 
     std::uint64_t total() const override { return scans_.size(); }
     SkippedObservations skipped() const override { return skipped_; }
+    const PoseTrack* trajectory() const override { return poses_.fromFile(); }
+    PoseSummary poses() const override { return summary_; }
 
     std::optional<Scan> next() override {
         if (next_ == scans_.size()) return std::nullopt;
@@ -86,6 +89,8 @@ class SimpleMapSource final : public ScanSource {
     }
 
  private:
+    PoseLookup poses_;
+    PoseSummary summary_;
     std::vector<Scan> scans_;
     std::size_t next_ = 0;
     SkippedObservations skipped_;

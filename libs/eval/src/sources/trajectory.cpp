@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/math/CQuaternion.h>
-#include <mrpt/math/slerp.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/trajectory.h>
 #include <superray/storage/atomic_file.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -34,22 +32,6 @@ CPose3D poseFromTum(const std::vector<double>& v) {
 
 CPose3D poseFromMrpt(const std::vector<double>& v) {
     return CPose3D(v[1], v[2], v[3], v[4], v[5], v[6]);
-}
-
-CPose3D interpolate(const CPose3D& a, const CPose3D& b, double fraction) {
-    CQuaternionDouble qa, qb, q;
-    a.getAsQuaternion(qa);
-    b.getAsQuaternion(qb);
-    mrpt::math::slerp(qa, qb, fraction, q);
-    q.normalize();
-    const auto between = [fraction](double from, double to) {
-        return from + fraction * (to - from);
-    };
-    return CPose3D(q, between(a.x(), b.x()), between(a.y(), b.y()), between(a.z(), b.z()));
-}
-
-double seconds(mrpt::Clock::duration d) {
-    return std::chrono::duration<double>(d).count();
 }
 
 }  // namespace
@@ -93,7 +75,7 @@ Trajectory Trajectory::load(const std::string& path) {
 void Trajectory::saveTum(const std::string& path) const {
     AtomicStream file(path);
     file << "# timestamp x y z qx qy qz qw (robot pose in the map frame)\n";
-    for (const auto& [time, pose] : poses_) {
+    for (const auto& [time, pose] : poses()) {
         CQuaternionDouble q;
         pose.getAsQuaternion(q);
         char line[256];
@@ -103,28 +85,6 @@ void Trajectory::saveTum(const std::string& path) const {
         file << line;
     }
     file.commit();
-}
-
-void Trajectory::add(Time time, const CPose3D& T_map_robot) {
-    poses_.insert_or_assign(time, T_map_robot);
-}
-
-std::optional<CPose3D> Trajectory::at(Time time, double slack) const {
-    constexpr double kSameTime = 1e-6;  // s
-    if (poses_.empty()) return std::nullopt;
-    const auto after = poses_.lower_bound(time);
-    const double tolerance = std::max(slack, kSameTime);
-    if (after == poses_.end())
-        return seconds(time - lastTime()) <= tolerance ? std::optional(poses_.rbegin()->second)
-                                                       : std::nullopt;
-    const double untilAfter = seconds(after->first - time);
-    if (untilAfter <= kSameTime) return after->second;
-    if (after == poses_.begin())
-        return untilAfter <= tolerance ? std::optional(after->second) : std::nullopt;
-    const auto before = std::prev(after);
-    const double sinceBefore = seconds(time - before->first);
-    if (sinceBefore <= kSameTime) return before->second;
-    return interpolate(before->second, after->second, sinceBefore / (sinceBefore + untilAfter));
 }
 
 }  // namespace superray

@@ -5,8 +5,10 @@
 #include <superray/core/reference_mapper.h>
 #include <superray/core/stopwatch.h>
 #include <superray/maps/observation_rays.h>
+#include <superray/maps/pose_track.h>
 #include <superray/maps/super_ray_map_base.h>
 
+#include <chrono>
 #include <stdexcept>
 
 #include "views/voxel_view.h"
@@ -67,14 +69,33 @@ bool CSuperRayMapBase<Dim>::insertObservationAlong(const mrpt::obs::CObservation
                          });
 }
 
+namespace {
+
+/// Longest gap to interpolate over [s]: what the trajectory itself says, if it does.
+double longestGap(const mrpt::poses::CPose3DInterpolator& trajectory) {
+    // MRPT forgot the const of this one.
+    const auto limit =
+        const_cast<mrpt::poses::CPose3DInterpolator&>(trajectory).getMaxTimeInterpolation();
+    const double seconds = std::chrono::duration<double>(limit).count();
+    return seconds > 0 ? seconds : kDefaultPoseGap;
+}
+
+}  // namespace
+
 bool SuperRayMapInterface::insertObservationAlong(
     const mrpt::obs::CObservation& observation,
     const mrpt::poses::CPose3DInterpolator& trajectory) {
+    PoseLimits limits;
+    limits.maxGap = longestGap(trajectory);
     return insertObservationAlong(observation, [&](mrpt::Clock::time_point time) {
-        mrpt::poses::CPose3D pose;
-        bool valid = false;
-        trajectory.interpolate(time, pose, valid);
-        return valid ? std::optional<mrpt::poses::CPose3D>(pose) : std::nullopt;
+        PoseTrack neighbours;
+        auto after = trajectory.lower_bound(time);
+        if (after != trajectory.end()) neighbours.add(after->first, mrpt::poses::CPose3D(after->second));
+        if (after != trajectory.begin()) {
+            --after;
+            neighbours.add(after->first, mrpt::poses::CPose3D(after->second));
+        }
+        return neighbours.at(time, limits);
     });
 }
 
@@ -109,7 +130,7 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
         OccupancyMap<Dim>& map = storage_.writable();
         Stopwatch watch;
         const UpdateBatch<Dim>* applied = nullptr;
-        if (ScanIntegrator<Dim>::needsExactCounts(integration, model)) {
+        if (ScanIntegrator<Dim>::needsExactCounts(integration, model, &map)) {
             const auto counts = countCells(rays);
             report.integrateSeconds = watch.lap();
             report.work.rays = rays.size();

@@ -171,7 +171,11 @@ RayBundle<Dim> toRaysAlong(const SensorReturns& returns, mrpt::Clock::time_point
     // The common origin is that of the first ray that has a pose.
     std::optional<RayBundle<Dim>> rays;
     forEachRay(
-        returns, options, report, [&](float seconds) { return sensor.at(seconds); },
+        returns, options, report,
+        [&](float seconds) {
+            report.timedRays += seconds != 0;
+            return sensor.at(seconds);
+        },
         [&](const Eigen::Vector3d& p_map, RayEnd kind, const Transform& T_map_sensor) {
             const Point<Dim> origin = T_map_sensor.t.template head<Dim>();
             if (!rays) {

@@ -60,12 +60,14 @@ void BlockGrid<Dim>::swapContents(OccupancyMap<Dim>& other) {
     auto& o = dynamic_cast<BlockGrid&>(other);
     requireSameResolution(*this, o);
     impl_.swap(o.impl_);
+    this->swapValueRange(o);
 }
 
 template <int Dim>
 void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& model,
                            UpdatePolicy policy, unsigned threads) {
     requireAddressableBlocks(batch);
+    this->noteUpdate(model);
     impl_->useClamp(model.min());
 
     const FoldModel foldModel(model, policy);
@@ -153,6 +155,7 @@ template <int Dim>
 void BlockGrid<Dim>::setLogOdds(const Cell<Dim>& cell, float value) {
     requireAddressableCell<Dim>(cell);
     value = storedValue(value);
+    this->noteValue(value);
     Block& block = impl_->findOrAdd(blockOf<Dim>(cell));
     if (block.payload == kUniform && block.highest == value) return;
     impl_->set(block, indexInBlock<Dim>(cell), value);
@@ -166,6 +169,7 @@ void BlockGrid<Dim>::setBlock(const BlockView<Dim>& view) {
     for (int i = 0; i < kBlockCells<Dim>; ++i)
         if (view.known.test(i)) values[i] = storedValue(view.values[i]);
     if (!view.known.any()) return;
+    this->noteValues(view);
     Block& block = impl_->findOrAdd(view.key);
     for (int i = 0; i < kBlockCells<Dim>; ++i)
         if (view.known.test(i)) impl_->set(block, i, values[i]);
@@ -193,6 +197,7 @@ bool BlockGrid<Dim>::visitBlock(const BlockKey<Dim>& key,
 template <int Dim>
 void BlockGrid<Dim>::clear() {
     impl_ = std::make_unique<Impl>();
+    this->noteCleared();
 }
 
 template <int Dim>

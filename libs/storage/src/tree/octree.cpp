@@ -35,11 +35,13 @@ void Octree::swapContents(OccupancyMap<3>& other) {
     // Only the nodes move: references to tree() stay valid.
     impl_->nodes.swapWith(o.impl_->nodes);
     std::swap(impl_->cache, o.impl_->cache);
+    swapValueRange(o);
 }
 
 void Octree::apply(const UpdateBatch<3>& batch, const SensorModel& model, UpdatePolicy policy,
                    unsigned threads) {
     impl_->nodes.use(model.probabilities());
+    noteUpdate(model);
     impl_->apply(batch, model, policy, threads);
 }
 
@@ -47,9 +49,11 @@ std::optional<float> Octree::logOdds(const Cell<3>& cell) const {
     return impl_->logOdds(cell);
 }
 void Octree::setLogOdds(const Cell<3>& cell, float value) {
+    noteValue(value);
     impl_->setLogOdds(cell, value);
 }
 void Octree::setBlock(const BlockView<3>& block) {
+    noteValues(block);
     impl_->setBlock(block);
 }
 void Octree::forEachBlock(const BlockVisitor& visit) const {
@@ -62,6 +66,7 @@ bool Octree::visitBlock(const BlockKey<3>& key, const BlockVisitor& visit) const
 void Octree::clear() {
     impl_->nodes.clearNodes();
     impl_->cache.clear();
+    noteCleared();
 }
 
 bool Octree::empty() const {

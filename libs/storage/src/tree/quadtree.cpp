@@ -148,10 +148,12 @@ void Quadtree::swapContents(OccupancyMap<2>& other) {
     auto& o = dynamic_cast<Quadtree&>(other);
     requireSameResolution(*this, o);
     impl_.swap(o.impl_);
+    swapValueRange(o);
 }
 
 void Quadtree::apply(const UpdateBatch<2>& batch, const SensorModel& model, UpdatePolicy policy,
                      unsigned threads) {
+    noteUpdate(model);
     impl_->apply(batch, model, policy, threads);
 }
 
@@ -159,9 +161,11 @@ std::optional<float> Quadtree::logOdds(const Cell<2>& cell) const {
     return impl_->logOdds(cell);
 }
 void Quadtree::setLogOdds(const Cell<2>& cell, float value) {
+    noteValue(value);
     impl_->setLogOdds(cell, value);
 }
 void Quadtree::setBlock(const BlockView<2>& block) {
+    noteValues(block);
     impl_->setBlock(block);
 }
 void Quadtree::forEachBlock(const BlockVisitor& visit) const {
@@ -172,6 +176,7 @@ bool Quadtree::visitBlock(const BlockKey<2>& key, const BlockVisitor& visit) con
 }
 void Quadtree::clear() {
     impl_ = std::make_unique<Impl>();
+    noteCleared();
 }
 bool Quadtree::empty() const {
     return impl_->nodes.root() == kNone;

@@ -12,8 +12,14 @@ namespace superray {
 /// Sensor model and policy as the loop needs them.
 struct FoldModel {
     FoldModel(const SensorModel& m, UpdatePolicy p)
-        : hit(m.hit()), miss(m.miss()), min(m.min()), max(m.max()), policy(p) {}
-    float hit, miss, min, max;
+        : hit(m.hit()),
+          miss(m.miss()),
+          min(m.min()),
+          max(m.max()),
+          scanHit(m.scanHit()),
+          scanMiss(m.scanMiss()),
+          policy(p) {}
+    float hit, miss, min, max, scanHit, scanMiss;
     UpdatePolicy policy;
 };
 

@@ -61,14 +61,17 @@ class ScanIntegrator {
     ScanIntegrator(ScanIntegrator&&) noexcept;
     ScanIntegrator& operator=(ScanIntegrator&&) noexcept;
 
-    /// True if `method` (or a model whose clamps lie more than 255 updates
-    /// apart) must go through countCells() instead of integrate().
-    static bool needsExactCounts(const IntegratorOptions& options, const SensorModel& model);
+    /// True if a scan must go through countCells() instead of integrate(): for method
+    /// `reference`, and for policy everyRay where the clamps, or the values in the map, lie
+    /// more than 255 updates apart.
+    /// \param map nullptr: none
+    static bool needsExactCounts(const IntegratorOptions& options, const SensorModel& model,
+                                 const SaturationSource<Dim>* map);
 
     /// Counts of a scan in blocks. The reference stays valid until the next call.
     /// \param map current saturation of the map; may be nullptr (then no
     ///        culling by map contents)
-    /// \pre !needsExactCounts(options, model)
+    /// \pre !needsExactCounts(options, model, map)
     const UpdateBatch<Dim>& integrate(const RayBundle<Dim>& rays, const SensorModel& model,
                                       const IntegratorOptions& options,
                                       const SaturationSource<Dim>* map);

@@ -6,11 +6,9 @@
 // the compiler splits them.
 
 #include <superray/core/block.h>
+#include <superray/core/detail/always_inline.h>
 
 #include <cstdint>
-
-/// For the small steps of a kernel: what they share stays in registers.
-#define SUPERRAY_INLINE inline __attribute__((always_inline))
 
 /// Before a loop: no iteration reads what another one writes.
 #if defined(__clang__)

@@ -24,6 +24,7 @@ struct BuildReport {
     TInsertionReport insertion;   ///< sums over all scans
     double readSeconds = 0;       ///< reading and decoding of the inputs
     double totalSeconds = 0;
+    std::vector<std::string> poses;  ///< of each input, in words; see PoseSummary
     std::vector<std::string> warnings;
 };
 

@@ -6,6 +6,7 @@
 #include <mrpt/core/Clock.h>
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/poses/CPose3D.h>
+#include <superray/eval/pose_origin.h>
 #include <superray/eval/trajectory.h>
 
 #include <cstdint>
@@ -23,14 +24,6 @@ struct Scan {
     mrpt::obs::CObservation::Ptr observation;
 };
 
-/// Where robot poses come from.
-enum class PoseOrigin : std::uint8_t {
-    input,    ///< the input itself
-    file,     ///< ScanSourceOptions::posesFile, by time
-    fixed,    ///< the robot stays at the map's origin: one scan, or a fixed sensor
-    odometry  ///< what the input says, but for robot poses: actions, odometry (rawlogs)
-};
-
 /// What to do with an input that ends in the middle of an object, or of its compressed
 /// data. An input that is damaged in another way is always refused.
 enum class Truncation : std::uint8_t {
@@ -40,8 +33,12 @@ enum class Truncation : std::uint8_t {
 
 struct ScanSourceOptions {
     PoseOrigin poses = PoseOrigin::input;
-    std::string posesFile;    ///< TUM or MRPT text, see Trajectory::load()
-    std::string sensorLabel;  ///< comma-separated labels to deliver; empty: all
+    std::string posesFile;  ///< with PoseOrigin::file; see Trajectory::load()
+    /// Comma-separated labels of the poses to use (rawlogs): one of a kind; empty: any,
+    /// if there is only one.
+    std::string poseLabel;
+    double maxPoseGap = kDefaultPoseGap;  ///< [s] see PoseLimits::maxGap
+    std::string sensorLabel;              ///< comma-separated labels to deliver; empty: all
     Truncation truncation = Truncation::error;
     /// Deliver at most so many scans.
     std::uint64_t maxScans = std::numeric_limits<std::uint64_t>::max();
@@ -51,6 +48,18 @@ struct ScanSourceOptions {
 struct SkippedObservations {
     std::uint64_t otherLabel = 0;   ///< range observations of another label
     std::uint64_t withoutPose = 0;  ///< outside the time range of the poses
+    std::uint64_t inPoseGap = 0;    ///< between poses that are too far apart in time
+    std::uint64_t withoutTime = 0;  ///< no time stamp, where poses are by time
+    std::uint64_t badPoses = 0;     ///< robot poses that are not finite
+
+    SkippedObservations& operator+=(const SkippedObservations& o) {
+        otherLabel += o.otherLabel;
+        withoutPose += o.withoutPose;
+        inPoseGap += o.inPoseGap;
+        withoutTime += o.withoutTime;
+        badPoses += o.badPoses;
+        return *this;
+    }
 };
 
 /// A stream of scans. Inputs are read one scan at a time where the format
@@ -73,20 +82,32 @@ class ScanSource {
 
     /// Robot poses by time, from which those of the scans are; nullptr if the input
     /// has none (increments, a fixed robot, or scans without times).
-    virtual const Trajectory* trajectory() const { return nullptr; }
+    virtual const PoseTrack* trajectory() const { return nullptr; }
+
+    /// The longest time between two of them that is bridged [s].
+    double maxPoseGap() const { return maxPoseGap_; }
+
+    /// Which poses are used, and what is known of them.
+    virtual PoseSummary poses() const { return {}; }
 
     /// A break in the input that Truncation::accept let pass; else empty.
     virtual std::string warning() const { return {}; }
+
+    /// Set by openScanSource().
+    void setMaxPoseGap(double seconds) { maxPoseGap_ = seconds; }
+
+ private:
+    double maxPoseGap_ = kDefaultPoseGap;
 };
 
 /// Opens an input by its extension or contents. MRPT's files may be gzip, zstd or
 /// plain inside, whatever their names; see CompressedInput and readObject().
 ///
-///  - `.rawlog`: observations, or action/observation pairs.
-///    Robot poses are, by preference, CObservationRobotPose by time,
-///    the sum of the actions' mean increments, or CObservationOdometry by time
-///    (up to 50 ms outside their range). Externally stored observations are
-///    looked for in `<name>_Images` beside the rawlog.
+///  - `.rawlog`: observations, or action/observation pairs. For the robot poses see
+///    PoseOrigin; those by time hold for 50 ms outside their range, and are interpolated
+///    over at most maxPoseGap. Poses and scans whose time stamps are invalid, or mostly
+///    equal, are paired by their order. Externally stored observations are looked for in
+///    `<name>_Images` or `Images` beside the rawlog, in any case of letters, and beside it.
 ///  - `.simplemap`, `.simplemap.gz`: mean pose of each keyframe.
 ///  - `.graph`: OctoMap's ScanGraph; becomes CObservationPointCloud at the
 ///    node's pose.

@@ -20,6 +20,8 @@ struct TInsertionReport {
     std::uint64_t noReturns = 0;
     std::uint64_t outOfHeightBand = 0;  ///< returns outside heightBandMin..Max
     std::uint64_t withoutPose = 0;      ///< rays measured when no robot pose is known
+    /// Rays whose sensor tells when they were measured (with insertObservationAlong()).
+    std::uint64_t timedRays = 0;
     ScanStatistics work;                ///< zero where method = reference
     double toRaysSeconds = 0;           ///< observation to rays
     double integrateSeconds = 0;        ///< rays to update batch
@@ -32,6 +34,7 @@ struct TInsertionReport {
         noReturns += o.noReturns;
         outOfHeightBand += o.outOfHeightBand;
         withoutPose += o.withoutPose;
+        timedRays += o.timedRays;
         work += o.work;
         toRaysSeconds += o.toRaysSeconds;
         integrateSeconds += o.integrateSeconds;

@@ -94,7 +94,8 @@ class SuperRayMapInterface {
     /// \return true if the map changed
     virtual bool insertObservationAlong(const mrpt::obs::CObservation& observation,
                                         const PoseAtTime& T_map_robot) = 0;
-    /// With the robot's trajectory in the map frame.
+    /// With the robot's trajectory in the map frame: straight between its poses, over at
+    /// most the trajectory's own limit of time if it has one, else kDefaultPoseGap.
     bool insertObservationAlong(const mrpt::obs::CObservation& observation,
                                 const mrpt::poses::CPose3DInterpolator& trajectory);
 

@@ -9,11 +9,13 @@
 #include <superray/core/sensor_model.h>
 #include <superray/core/update_batch.h>
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace superray {
 
@@ -65,6 +67,8 @@ class OccupancyMap : public SaturationSource<Dim> {
 
     /// Log-odds of a cell; nothing if unknown.
     virtual std::optional<float> logOdds(const Cell<Dim>& cell) const = 0;
+    /// Bounds of all values that the map has had since it was made, cleared or exchanged.
+    LogOddsRange valueRange() const final { return range_; }
     /// Makes a cell known with this value (-0 is stored as +0, so that equal
     /// values have equal bits).
     /// \throws std::out_of_range if the cell is not addressable (kCellLimit),
@@ -95,8 +99,24 @@ class OccupancyMap : public SaturationSource<Dim> {
     OccupancyMap(const OccupancyMap&) = default;
     OccupancyMap& operator=(const OccupancyMap&) = default;
 
+    // Every storage calls these before it changes values.
+
+    /// What setLogOdds() and setBlock() store. Others than finite values are refused.
+    void noteValue(float value) {
+        if (std::isfinite(value)) range_.include({value, value});
+    }
+    void noteValues(const BlockView<Dim>& block) {
+        for (int i = 0; i < kBlockCells<Dim>; ++i)
+            if (block.known.test(i)) noteValue(block.values[i]);
+    }
+    /// What apply() may come to: old values, or between the clamps.
+    void noteUpdate(const SensorModel& model) { range_.include({model.min(), model.max()}); }
+    void noteCleared() { range_ = {}; }
+    void swapValueRange(OccupancyMap& other) { std::swap(range_, other.range_); }
+
  private:
     CellGeometry<Dim> geometry_;
+    LogOddsRange range_;
 };
 
 /// Counts and bounds of the known cells.

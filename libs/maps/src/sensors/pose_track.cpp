@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/math/CQuaternion.h>
+#include <mrpt/math/slerp.h>
+#include <superray/maps/pose_track.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+
+namespace superray {
+
+using mrpt::poses::CPose3D;
+
+namespace {
+
+double seconds(mrpt::Clock::duration d) {
+    return std::chrono::duration<double>(d).count();
+}
+
+PoseAnswer found(const CPose3D& pose) {
+    return {PoseAnswer::Result::found, pose};
+}
+
+}  // namespace
+
+CPose3D interpolatePose(const CPose3D& a, const CPose3D& b, double fraction) {
+    mrpt::math::CQuaternionDouble qa, qb, q;
+    a.getAsQuaternion(qa);
+    b.getAsQuaternion(qb);
+    mrpt::math::slerp(qa, qb, fraction, q);
+    q.normalize();
+    const auto between = [fraction](double from, double to) {
+        return from + fraction * (to - from);
+    };
+    return CPose3D(q, between(a.x(), b.x()), between(a.y(), b.y()), between(a.z(), b.z()));
+}
+
+void PoseTrack::add(Time time, const CPose3D& T_map_robot) {
+    poses_.insert_or_assign(time, T_map_robot);
+}
+
+PoseAnswer PoseTrack::lookUp(Time time, const PoseLimits& limits) const {
+    using Result = PoseAnswer::Result;
+    constexpr double kSameTime = 1e-6;  // s
+    if (poses_.empty()) return {};
+    const double slack = std::max(limits.slack, kSameTime);
+    const auto after = poses_.lower_bound(time);
+    if (after == poses_.end()) {
+        if (seconds(time - lastTime()) <= slack) return found(poses_.rbegin()->second);
+        return {};
+    }
+    const double untilAfter = seconds(after->first - time);
+    if (untilAfter <= kSameTime) return found(after->second);
+    if (after == poses_.begin()) {
+        if (untilAfter <= slack) return found(after->second);
+        return {};
+    }
+    const auto before = std::prev(after);
+    const double sinceBefore = seconds(time - before->first);
+    if (sinceBefore <= kSameTime) return found(before->second);
+    // The clocks of logs jitter: a gap of exactly the limit is none.
+    if (sinceBefore + untilAfter <= limits.maxGap + kSameTime)
+        return found(interpolatePose(before->second, after->second,
+                                     sinceBefore / (sinceBefore + untilAfter)));
+    if (std::min(sinceBefore, untilAfter) > slack) return {Result::inGap, std::nullopt};
+    return found(sinceBefore < untilAfter ? before->second : after->second);
+}
+
+}  // namespace superray

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Small sets of rays on and just beside the borders, edges and corners of cells: every method
+// against the oracle. Random rays come so close to a border too seldom to find anything.
+//
+// The environment variable SUPERRAY_LATTICE_SETS asks for more sets than a usual run has.
+
+#include <superray/core/reference_mapper.h>
+#include <superray/core/scan_integrator.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+
+#include "core/dims.h"
+#include "core/ray_generators.h"
+
+namespace superray {
+namespace {
+
+using test::Random;
+
+constexpr Method kFastMethods[] = {Method::perRay, Method::superRays, Method::culling,
+                                   Method::full, Method::automatic};
+
+int setsToTry() {
+    const char* asked = std::getenv("SUPERRAY_LATTICE_SETS");
+    return asked != nullptr ? std::atoi(asked) : 6000;
+}
+
+/// A coordinate on a cell border, a unit beside it, a rounding error beside it, or somewhere.
+double latticeCoordinate(Random& random, int reach) {
+    const double border = test::integer(random, -reach, reach);
+    switch (test::integer(random, 0, 9)) {
+        case 0:
+        case 1:
+            return border;
+        case 2:
+            return std::nextafter(border, 1e9);
+        case 3:
+            return std::nextafter(border, -1e9);
+        case 4:
+            return border + 0x1p-30 * test::integer(random, -2, 2);
+        case 5:
+            return border + 0x1p-31 * test::integer(random, -3, 3);
+        case 6:
+            return border + 0.5;
+        case 7:
+            return border + 1e-15 * test::integer(random, -9, 9);
+        case 8:
+            return border +
+                   std::ldexp(test::uniform(random, -1, 1), test::integer(random, -40, -1));
+        default:
+            return border + test::uniform(random, 0, 1);
+    }
+}
+
+/// A set of rays from one origin, which often end in few cells, and differ by little.
+template <int Dim>
+RayBundle<Dim> latticeRays(Random& random, double resolution) {
+    const CellGeometry<Dim> g(resolution);
+    constexpr int kReaches[] = {1, 1, 2, 2, 3, 5, 9, 40};
+    const int reach = kReaches[test::integer(random, 0, 7)];
+    Point<Dim> origin, last;
+    for (int a = 0; a < Dim; ++a) {
+        origin[a] = latticeCoordinate(random, 2) * resolution;
+        last[a] = latticeCoordinate(random, reach) * resolution;
+    }
+    RayBundle<Dim> rays(g, origin);
+    const int count = test::integer(random, 2, 7);
+    for (int i = 0; i < count; ++i) {
+        // Most rays are the last one, with some axes drawn again.
+        const int again = test::integer(random, 0, (1 << Dim) - 1);
+        for (int a = 0; a < Dim; ++a)
+            if (again >> a & 1) last[a] = latticeCoordinate(random, reach) * resolution;
+        rays.add(last, test::integer(random, 0, 4) == 0 ? RayEnd::noReturn : RayEnd::hit);
+    }
+    return rays;
+}
+
+/// A map in which all cells are free for certain, but for some that nothing is known of.
+template <int Dim>
+class HoledMap : public SaturationSource<Dim> {
+ public:
+    /// \param oneIn of so many cells, one is unknown; 1: all are
+    HoledMap(std::uint64_t seed, std::uint64_t oneIn) : seed_(seed), oneIn_(oneIn) {}
+
+    bool unknown(const Cell<Dim>& cell) const {
+        std::uint64_t h = seed_;
+        for (const std::int32_t c : cell)
+            h = (h ^ static_cast<std::uint32_t>(c)) * 0x9E3779B97F4A7C15u, h ^= h >> 29;
+        return h % oneIn_ == 0;
+    }
+    BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float) const override {
+        BlockSaturation<Dim> block;
+        for (int i = 0; i < kBlockCells<Dim>; ++i)
+            if (!unknown(cellInBlock<Dim>(key, i))) block.saturatedFree.set(i);
+        return block;
+    }
+    LogOddsRange valueRange() const override { return {SensorModel().min(), 0}; }
+
+ private:
+    std::uint64_t seed_, oneIn_;
+};
+
+template <int Dim>
+CellCountMap<Dim> countsOf(const UpdateBatch<Dim>& batch) {
+    CellCountMap<Dim> counts;
+    for (std::size_t b = 0; b < batch.blockCount(); ++b) {
+        const BlockMask<Dim> touched = batch.touched(b);
+        for (int i = 0; i < kBlockCells<Dim>; ++i) {
+            if (!touched.test(i)) continue;
+            const std::uint32_t hits = batch.hits(b) != nullptr ? batch.hits(b)[i] : 0;
+            counts[cellInBlock<Dim>(batch.key(b), i)] = {batch.misses(b)[i], hits};
+        }
+    }
+    return counts;
+}
+
+/// Whether two counts leave the same map, where every cell is as `map` has it before.
+template <int Dim>
+void expectSameUpdates(const CellCountMap<Dim>& got, const CellCountMap<Dim>& expected,
+                       const HoledMap<Dim>& map, const SensorModel& model,
+                       UpdatePolicy policy) {
+    const auto after = [&](const Cell<Dim>& cell, const CellCountMap<Dim>& counts) {
+        const auto it = counts.find(cell);
+        const float before = map.unknown(cell) ? 0 : model.min();
+        return it == counts.end()
+                   ? before
+                   : model.updated(before, it->second.misses, it->second.hits, policy);
+    };
+    const auto check = [&](const Cell<Dim>& cell) {
+        ASSERT_EQ(after(cell, got), after(cell, expected));
+        if (map.unknown(cell)) {
+            ASSERT_EQ(got.count(cell), expected.count(cell));
+        }
+    };
+    for (const auto& entry : expected) ASSERT_NO_FATAL_FAILURE(check(entry.first));
+    for (const auto& entry : got) ASSERT_NO_FATAL_FAILURE(check(entry.first));
+}
+
+template <typename T>
+class Lattice : public ::testing::Test {};
+TYPED_TEST_SUITE(Lattice, test::Dims);
+
+TYPED_TEST(Lattice, AllMethodsUpdateTheMapAsTheOracleDoes) {
+    constexpr int Dim = TypeParam::value;
+    constexpr std::uint64_t kOneIn[] = {1, 2, 8, 60};
+    Random random(7);
+    ScanIntegrator<Dim> integrator;
+    const int sets = setsToTry();
+    ASSERT_GT(sets, 0);
+    std::uint64_t comparisons = 0, merged = 0, culled = 0;
+    for (int set = 0; set < sets; ++set) {
+        const double resolution = set % 3 == 0 ? 0.1 : set % 3 == 1 ? 1.0 : 0.3;
+        const RayBundle<Dim> exact = latticeRays<Dim>(random, resolution);
+        const RayBundle<Dim> rays = set % 4 == 0 ? test::rounded(exact) : exact;
+        const CellCountMap<Dim> expected = countCells(rays);
+        const HoledMap<Dim> map(random(), kOneIn[set % 4]);
+        for (const Method method : kFastMethods) {
+            for (const UpdatePolicy policy : kUpdatePolicies) {
+                const SensorModel model(SensorProbabilities::defaultsOf(policy));
+                IntegratorOptions options;
+                options.method = method;
+                options.policy = policy;
+                options.superRayThreshold = 1;
+                options.threads = set % 64 == 0 ? 2 : 1;
+                const auto counts = countsOf(integrator.integrate(rays, model, options, &map));
+                SCOPED_TRACE("set " + std::to_string(set) + " " + toString(method) + " " +
+                             toString(policy));
+                ASSERT_NO_FATAL_FAILURE(
+                    expectSameUpdates<Dim>(counts, expected, map, model, policy));
+                ++comparisons;
+                const ScanStatistics& s = integrator.statistics();
+                if (method == Method::superRays) merged += s.rays - s.superRays;
+                culled += s.raysCulled;
+            }
+        }
+    }
+    EXPECT_EQ(comparisons, static_cast<std::uint64_t>(sets) * std::size(kFastMethods) *
+                               std::size(kUpdatePolicies));
+    EXPECT_GT(merged, static_cast<std::uint64_t>(sets) / 20);
+    EXPECT_GT(culled, static_cast<std::uint64_t>(sets) / 2);
+}
+
+}  // namespace
+}  // namespace superray
