@@ -103,7 +103,7 @@ TYPED_TEST_SUITE(Equivalence, test::Dims);
 TYPED_TEST(Equivalence, AllMethodsGiveTheReferenceMap) {
     constexpr int Dim = TypeParam::value;
     const CellGeometry<Dim> g(0.1);
-    constexpr int kScans = 8, kRays = 1500;
+    constexpr int kScans = 8, kRays = 900;
     std::uint64_t rays = 0, culled = 0, cut = 0, merged = 0;
     for (UpdatePolicy policy : kUpdatePolicies) {
         const SensorModel model = defaultModel(policy);
@@ -354,7 +354,7 @@ TYPED_TEST(Equivalence, LongRaysInThreads) {
     std::uint64_t rays = 0;
     for (int s = 0; s < 3; ++s) {
         RayBundle<Dim> scan(g, test::uniformPoint<Dim>(random, 0.5));
-        for (int i = 0; i < 1200; ++i) {
+        for (int i = 0; i < 600; ++i) {
             Point<Dim> end = test::uniformPoint<Dim>(random, 15);
             if (i % 50 == 0) end[i % Dim] = scan.commonOrigin()[i % Dim];  // kind uncertain
             scan.add(end, i % 17 == 0 ? RayEnd::noReturn : RayEnd::hit);
@@ -362,7 +362,7 @@ TYPED_TEST(Equivalence, LongRaysInThreads) {
         rays += scan.size();
         scans.push_back(std::move(scan));
     }
-    EXPECT_EQ(rays, 3u * 1200);
+    EXPECT_EQ(rays, 3u * 600);
     for (const UpdatePolicy policy : kUpdatePolicies) {
         ReferenceMapper<Dim> reference(defaultModel(policy), policy);
         for (const auto& scan : scans) reference.insert(scan);
