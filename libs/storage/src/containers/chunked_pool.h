@@ -110,9 +110,8 @@ class ChunkedPool {
         constexpr std::size_t kMost = (std::size_t{1} << 32) / kChunk - 1;
         if (chunks_.size() + chunks > kMost)
             throw std::length_error("a map holds fewer than 2^32 blocks, layers or nodes");
-        chunks_.reserve(
-            std::max(chunks_.size() + chunks,
-                     std::min(2 * chunks_.capacity(), chunks_.size() + kMostChunks)));
+        if (chunks_.capacity() - chunks_.size() < chunks)
+            chunks_.reserve(std::max(chunks_.size() + chunks, 2 * chunks_.capacity()));
         slabs_.emplace_back(chunks);  // nothing fails from here on
         for (std::size_t i = 0; i < chunks; ++i)
             chunks_.push_back(slabs_.back().memory.get() + i * kChunk);
