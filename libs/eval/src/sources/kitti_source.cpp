@@ -7,12 +7,14 @@
 #include <Eigen/Geometry>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <vector>
 
 #include "sources/scan_source_formats.h"
 #include "sources/text_numbers.h"
+#include "text/text_input.h"
 
 namespace superray {
 namespace {
@@ -38,8 +40,7 @@ Isometry3d fromRowMajor(const std::vector<double>& v, const std::string& where) 
 /// Calls `visit(line, where)` for every line with data of a text file.
 template <class Visit>
 void forEachLine(const fs::path& path, const Visit& visit) {
-    std::ifstream file(path);
-    if (!file) throw InputError(path.string() + ": cannot be opened for reading");
+    std::istringstream file = openTextInput(path.string(), LastLine::mustEnd);
     std::string line;
     for (std::size_t number = 1; std::getline(file, line); ++number)
         if (!isCommentLine(line)) visit(line, path.string() + ":" + std::to_string(number));
@@ -55,8 +56,9 @@ std::vector<double> numbersOrThrow(const std::string& text, const std::string& w
 Isometry3d readCalibration(const fs::path& path) {
     std::optional<Isometry3d> T_cam_velo;
     forEachLine(path, [&](const std::string& line, const std::string& where) {
-        if (line.rfind("Tr:", 0) == 0)
-            T_cam_velo = fromRowMajor(numbersOrThrow(line.substr(3), where), where);
+        if (line.rfind("Tr:", 0) != 0) return;
+        if (T_cam_velo) throw InputError(where + ": second row 'Tr:'");
+        T_cam_velo = fromRowMajor(numbersOrThrow(line.substr(3), where), where);
     });
     if (!T_cam_velo)
         throw InputError(path.string() + ": has no row 'Tr:' (Velodyne to camera 0)");
@@ -90,6 +92,7 @@ mrpt::poses::CPose3D toPose(const Isometry3d& T) {
 
 mrpt::maps::CSimplePointsMap::Ptr readPoints(const fs::path& path) {
     constexpr std::size_t kPointBytes = 4 * sizeof(float);  // x y z reflectance
+    requireRegularFile(path.string());
     const auto bytes = fs::file_size(path);
     if (bytes % kPointBytes != 0)
         throw InputError(path.string() + ": is truncated: its size " + std::to_string(bytes) +
@@ -181,7 +184,9 @@ class KittiSource final : public ScanSource {
                 std::from_chars(name.data(), name.data() + name.size(), frame);
             if (bad != std::errc{} || rest != name.data() + name.size() || frame > kMostFrames)
                 throw InputError(entry.path().string() + ": is not named by its frame number");
-            files[frame] = entry.path();
+            if (!files.emplace(frame, entry.path()).second)
+                throw InputError(entry.path().string() + ": frame " + std::to_string(frame) +
+                                 " is there twice, see " + files[frame].string());
         }
         if (files.empty())
             throw InputError(folder.string() +
@@ -190,12 +195,16 @@ class KittiSource final : public ScanSource {
     }
 
     static std::vector<Trajectory::Time> readTimes(const fs::path& folder, std::size_t frames) {
+        constexpr double kLargestTime = 1e11;  // s, that MRPT's clock counts
         constexpr double kPeriod = 0.1;  // s, of KITTI's Velodyne
         std::vector<Trajectory::Time> times;
         if (fs::exists(folder / "times.txt")) {
             forEachLine(folder / "times.txt", [&](const std::string& l, const std::string& at) {
                 const auto values = numbersOrThrow(l, at);
                 if (values.size() != 1) throw InputError(at + ": must be one number");
+                if (!(std::abs(values.front()) <= kLargestTime))
+                    throw InputError(at + ": time " + std::to_string(values.front()) +
+                                     " must be in seconds, at most 1e11");
                 times.push_back(mrpt::Clock::fromDouble(values.front()));
             });
             checkCount(folder / "times.txt", "times", times.size(), frames);

@@ -86,7 +86,7 @@ class RawlogSource final : public ScanSource {
         skipped_ = {};  // counted again as scans are delivered
         skipped_.badPoses = poses_->notFinite();
         index_.recorded = {};
-        reader_ = std::make_unique<ObjectReader>(path_);
+        reader_ = std::make_unique<ObjectReader>(path_, FileState::whole);
     }
 
     std::uint64_t total() const override { return total_; }
@@ -107,7 +107,7 @@ class RawlogSource final : public ScanSource {
 
  private:
     void readIndex() {
-        ObjectReader reader(path_);
+        ObjectReader reader(path_, FileState::unknown);
         Counter counter;
         try {
             while (auto object = reader.next()) {

@@ -138,6 +138,7 @@ std::unique_ptr<ScanSource> openAnySource(const std::string& path,
     if (!(options.maxPoseGap >= 0))
         throw InputError("the longest gap between poses must be at least 0 s");
     if (fs::is_directory(path, error)) return openKitti(path, options);
+    requireRegularFile(path);
     if (endsWith(path, ".simplemap") || endsWith(path, ".simplemap.gz"))
         return openSimpleMap(path, options);
     if (endsWith(path, ".graph")) return openScanGraph(path, options);

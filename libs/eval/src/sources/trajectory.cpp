@@ -6,9 +6,9 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 #include "sources/text_numbers.h"
+#include "text/text_input.h"
 
 namespace superray {
 namespace {
@@ -37,8 +37,7 @@ CPose3D poseFromMrpt(const std::vector<double>& v) {
 }  // namespace
 
 Trajectory Trajectory::load(const std::string& path) {
-    std::ifstream file(path);
-    if (!file) throw InputError(path + ": cannot open the poses file");
+    std::istringstream file = openTextInput(path, LastLine::mustEnd);
     Trajectory result;
     std::string line;
     std::size_t columns = 0;
@@ -67,7 +66,6 @@ Trajectory Trajectory::load(const std::string& path) {
             fail(e.what());
         }
     }
-    if (file.bad()) throw InputError(path + ": cannot read the poses file");
     if (result.empty()) throw InputError(path + ": holds no pose");
     return result;
 }

@@ -2,10 +2,45 @@
 #include <mrpt/serialization/CArchive.h>
 #include <superray/maps/CSuperRayPointsMap.h>
 
+#include <zlib.h>
+
+#include <cmath>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
 
 namespace superray {
+
+namespace {
+
+/// Points of a stream: little-endian cell, ends, x, y, z, one after the other.
+template <int Dim>
+struct PointBytesOf {
+    static constexpr std::size_t kSize = 4 * (Dim + 1 + 3);  // of a point
+    std::vector<std::uint8_t> bytes;
+    std::size_t at = 0;
+
+    template <class Number>
+    void put(Number value) {
+        static_assert(sizeof value == 4);
+        std::uint32_t bits = 0;
+        std::memcpy(&bits, &value, sizeof bits);
+        for (int shift = 0; shift < 32; shift += 8)
+            bytes.push_back(static_cast<std::uint8_t>(bits >> shift));
+    }
+    template <class Number>
+    void get(Number& value) {
+        static_assert(sizeof value == 4);
+        std::uint32_t bits = 0;
+        for (int shift = 0; shift < 32; shift += 8) bits |= std::uint32_t{bytes[at++]} << shift;
+        std::memcpy(&value, &bits, sizeof bits);
+    }
+    std::uint32_t checksum() const {
+        return static_cast<std::uint32_t>(crc32_z(0, bytes.data(), bytes.size()));
+    }
+};
+
+}  // namespace
 
 /// The grid map, which reports each scan to the points.
 template <int Dim>
@@ -81,7 +116,8 @@ void CSuperRayPointsMap<Dim>::setOptions(const TMapOptions& options) {
     occupancy_->setOptions(options);
     genericMapParams = occupancy_->genericMapParams;
     if (!options.creation.load_from.empty()) forgetPoints();
-    followAllBlocks();  // another threshold, another set of occupied cells
+    // Another threshold, another set of occupied cells.
+    remakeOnFailure([this] { followAllBlocks(); });
 }
 
 template <int Dim>
@@ -89,7 +125,7 @@ void CSuperRayPointsMap<Dim>::loadFromFile(const std::string& path) {
     occupancy_->loadFromFile(path);
     genericMapParams = occupancy_->genericMapParams;
     forgetPoints();
-    followAllBlocks();
+    remakeOnFailure([this] { followAllBlocks(); });
 }
 
 template <int Dim>
@@ -131,7 +167,11 @@ bool CSuperRayPointsMap<Dim>::internal_insertObservation(
     const mrpt::obs::CObservation& observation,
     const std::optional<const mrpt::poses::CPose3D>& robotPose) {
     occupancy_->genericMapParams = genericMapParams;
-    return occupancy_->insertObservation(observation, robotPose);  // calls follow()
+    bool changed = false;
+    remakeOnFailure([&] {  // insertObservation() calls follow()
+        changed = occupancy_->insertObservation(observation, robotPose);
+    });
+    return changed;
 }
 
 // --- the points ---------------------------------------------------------------
@@ -242,6 +282,24 @@ void CSuperRayPointsMap<Dim>::removePoint(std::uint32_t index) {
     resize(sources_.size());
 }
 
+/// Memory may run out anywhere in `change`: then there are points made anew from the
+/// cells, or none (follow() makes them the next time).
+template <int Dim>
+template <class Change>
+void CSuperRayPointsMap<Dim>::remakeOnFailure(const Change& change) {
+    try {
+        change();
+    } catch (...) {
+        forgetPoints();
+        try {
+            followAllBlocks();
+        } catch (const std::bad_alloc&) {
+            forgetPoints();
+        }
+        throw;
+    }
+}
+
 template <int Dim>
 void CSuperRayPointsMap<Dim>::forgetPoints() {
     sources_.clear();
@@ -253,19 +311,25 @@ void CSuperRayPointsMap<Dim>::forgetPoints() {
 
 template <int Dim>
 void CSuperRayPointsMap<Dim>::writeTo(mrpt::serialization::CArchive& out) const {
+    using PointBytes = PointBytesOf<Dim>;
     if (size() != sources_.size())
         throw std::logic_error("CSuperRayPointsMap: points were added or removed by others");
+    PointBytes points;
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+        for (const auto c : sources_[i].cell) points.put(c);
+        points.put(sources_[i].ends);
+        for (const float coordinate : {m_x[i], m_y[i], m_z[i]}) points.put(coordinate);
+    }
     out << static_cast<const GridMap&>(*occupancy_);
     out << static_cast<std::uint64_t>(sources_.size());
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
-        for (const auto c : sources_[i].cell) out << c;
-        out << sources_[i].ends << m_x[i] << m_y[i] << m_z[i];
-    }
+    if (!points.bytes.empty()) out.WriteBuffer(points.bytes.data(), points.bytes.size());
+    out << points.checksum();
 }
 
 template <int Dim>
 void CSuperRayPointsMap<Dim>::readFrom(mrpt::serialization::CArchive& in,
                                        std::uint8_t version) {
+    using PointBytes = PointBytesOf<Dim>;
     if (version > kSerialVersion)
         throw std::runtime_error("CSuperRayPointsMap: version " + std::to_string(version) +
                                  " in the stream is newer than this library's, " +
@@ -283,22 +347,57 @@ void CSuperRayPointsMap<Dim>::readFrom(mrpt::serialization::CArchive& in,
                                  " points for " + std::to_string(read.sources_.size()) +
                                  " occupied cells");
     // Same cells in the order of the stream, for equal maps to stay equal.
-    read.sources_.clear();
-    read.blocks_.clear();
-    static_cast<CSimplePointsMap&>(read).CSimplePointsMap::setSize(0);
+    read.forgetPoints();
+    PointBytes points;
+    points.bytes.resize(count * PointBytes::kSize);
+    if (!points.bytes.empty() &&
+        in.ReadBuffer(points.bytes.data(), points.bytes.size()) != points.bytes.size())
+        throw std::runtime_error("CSuperRayPointsMap: unexpected end of stream");
+    if (version > 0 && in.ReadAs<std::uint32_t>() != points.checksum())
+        throw std::runtime_error("CSuperRayPointsMap: checksum of the points is wrong");
     for (std::uint64_t i = 0; i < count; ++i) {
         Source source{};
         std::array<float, 3> position{};
-        for (auto& c : source.cell) in >> c;
-        in >> source.ends >> position[0] >> position[1] >> position[2];
-        const auto value = read.occupancy_->storage().logOdds(source.cell);
-        if (!value || *value < grid.sensorModel().occupied() ||
-            read.pointAt(source.cell) != kNoPoint)
-            throw std::runtime_error("CSuperRayPointsMap: bad point in the stream");
-        read.addPoint(source, position);
+        for (auto& c : source.cell) points.get(c);
+        points.get(source.ends);
+        for (float& coordinate : position) points.get(coordinate);
+        read.readPoint(source, position);
     }
     read.mark_as_modified();
     copyAll(read);
+}
+
+/// Adds a point from a stream. \throws std::runtime_error
+template <int Dim>
+void CSuperRayPointsMap<Dim>::readPoint(const Source& source,
+                                        const std::array<float, 3>& position) {
+    requireInCell(source, position);
+    const auto value = occupancy_->storage().logOdds(source.cell);
+    if (!value || *value < occupancy_->sensorModel().occupied() ||
+        pointAt(source.cell) != kNoPoint)
+        throw std::runtime_error(
+            "CSuperRayPointsMap: a point in the stream has no occupied cell of its own");
+    addPoint(source, position);
+}
+
+/// The mean of end points in a cell lies in the cell, but for its rounding.
+template <int Dim>
+void CSuperRayPointsMap<Dim>::requireInCell(const Source& source,
+                                            const std::array<float, 3>& position) const {
+    const auto& geometry = occupancy_->storage().geometry();
+    for (const auto c : source.cell)
+        if (c < -kCellLimit || c >= kCellLimit)
+            throw std::runtime_error("CSuperRayPointsMap: a point in the stream has cell " +
+                                     std::to_string(c));
+    const Point<Dim> center = geometry.center(source.cell);
+    for (std::size_t a = 0; a < position.size(); ++a) {
+        const double middle = a < Dim ? center[static_cast<Eigen::Index>(a)] : 0.0;
+        const double edge = a < Dim ? geometry.resolution() : 0.0;
+        const double rounding = 1e-6 * (std::abs(middle) + edge);
+        if (!(std::abs(double{position[a]} - middle) <= edge / 2 + rounding))
+            throw std::runtime_error(
+                "CSuperRayPointsMap: a point in the stream lies outside its cell");
+    }
 }
 
 template class CSuperRayPointsMap<2>;

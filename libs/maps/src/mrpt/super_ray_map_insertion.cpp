@@ -90,7 +90,8 @@ bool SuperRayMapInterface::insertObservationAlong(
     return insertObservationAlong(observation, [&](mrpt::Clock::time_point time) {
         PoseTrack neighbours;
         auto after = trajectory.lower_bound(time);
-        if (after != trajectory.end()) neighbours.add(after->first, mrpt::poses::CPose3D(after->second));
+        if (after != trajectory.end())
+            neighbours.add(after->first, mrpt::poses::CPose3D(after->second));
         if (after != trajectory.begin()) {
             --after;
             neighbours.add(after->first, mrpt::poses::CPose3D(after->second));
@@ -117,52 +118,69 @@ void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>& rays) {
         surface_ = std::make_shared<SurfaceStatistics<Dim>>(storage_->geometry());
     else if (surface_.use_count() > 1)  // copies of this map have it too
         surface_ = std::make_shared<SurfaceStatistics<Dim>>(*surface_);
-    surface_->add(rays);
+    try {
+        surface_->add(rays);
+    } catch (...) {
+        surface_.reset();  // no statistics, rather than those of a part of the rays
+        throw;
+    }
 }
 
 template <int Dim>
 void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionReport report) {
-    const SensorModel model = sensorModel();
-    const IntegratorOptions integration = insertionOptions.integratorOptions();
     report.rays = rays.size();
     if (!rays.empty()) {
         report.scans = 1;
-        OccupancyMap<Dim>& map = storage_.writable();
-        Stopwatch watch;
-        const UpdateBatch<Dim>* applied = nullptr;
-        if (ScanIntegrator<Dim>::needsExactCounts(integration, model, &map)) {
-            const auto counts = countCells(rays);
-            report.integrateSeconds = watch.lap();
-            report.work.rays = rays.size();
-            recordChange(counts);
-            view_->applied(counts);
-            map.apply(counts, model, integration.policy);
-        } else {
-            const auto& batch = integrator_.integrate(rays, model, integration, &map);
-            report.integrateSeconds = watch.lap();
-            report.work = integrator_.statistics();
-            recordChange(batch);
-            view_->applied(batch);
-            map.apply(batch, model, integration.policy, integration.threads);
-            applied = &batch;
+        try {
+            applyRays(rays, report);
+        } catch (...) {
+            // Some blocks may be new already: what is derived from them is made anew.
+            contentsChanged();
+            throw;
         }
-        addStatistics(rays);
-        report.applySeconds = watch.lap();
-        scanApplied(rays, applied);
     }
     last_ = report;
     totals_ += report;
 }
 
-#define SUPERRAY_INSTANTIATE(Dim)                                                            \
-    template bool CSuperRayMapBase<Dim>::internal_insertObservation(                         \
-        const mrpt::obs::CObservation&, const std::optional<const mrpt::poses::CPose3D>&);   \
-    template bool CSuperRayMapBase<Dim>::insertObservationAlong(                             \
-        const mrpt::obs::CObservation&, const PoseAtTime&);                                  \
-    template void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>&);                  \
-    template void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>&);               \
-    template void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>&, TInsertionReport); \
-    template void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>&);              \
+template <int Dim>
+void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>& rays, TInsertionReport& report) {
+    const SensorModel model = sensorModel();
+    const IntegratorOptions integration = insertionOptions.integratorOptions();
+    OccupancyMap<Dim>& map = storage_.writable();
+    Stopwatch watch;
+    const UpdateBatch<Dim>* applied = nullptr;
+    if (ScanIntegrator<Dim>::needsExactCounts(integration, model, &map)) {
+        const auto counts = countCells(rays);
+        report.integrateSeconds = watch.lap();
+        report.work.rays = rays.size();
+        recordChange(counts);
+        view_->applied(counts);
+        map.apply(counts, model, integration.policy);
+    } else {
+        const auto& batch = integrator_.integrate(rays, model, integration, &map);
+        report.integrateSeconds = watch.lap();
+        report.work = integrator_.statistics();
+        recordChange(batch);
+        view_->applied(batch);
+        map.apply(batch, model, integration.policy, integration.threads);
+        applied = &batch;
+    }
+    addStatistics(rays);
+    report.applySeconds = watch.lap();
+    scanApplied(rays, applied);
+}
+
+#define SUPERRAY_INSTANTIATE(Dim)                                                             \
+    template bool CSuperRayMapBase<Dim>::internal_insertObservation(                          \
+        const mrpt::obs::CObservation&, const std::optional<const mrpt::poses::CPose3D>&);    \
+    template bool CSuperRayMapBase<Dim>::insertObservationAlong(                              \
+        const mrpt::obs::CObservation&, const PoseAtTime&);                                   \
+    template void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>&);                   \
+    template void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>&);                \
+    template void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>&, TInsertionReport);  \
+    template void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>&, TInsertionReport&); \
+    template void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>&);               \
     template void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>&);
 SUPERRAY_INSTANTIATE(2)
 SUPERRAY_INSTANTIATE(3)

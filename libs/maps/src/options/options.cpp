@@ -303,10 +303,18 @@ void TMapOptions::fromText(const std::string& text) {
     for (std::string line; std::getline(lines, line);) {
         const std::size_t equals = line.find(" = ");
         if (line.size() > 2 && line.front() == '[' && line.back() == ']') {
-            sections.push_back({line.substr(1, line.size() - 2), {}});
+            const std::string name = line.substr(1, line.size() - 2);
+            for (const auto& section : sections)
+                if (section.first == name)
+                    throw std::invalid_argument("options: second section [" + name + "]");
+            sections.push_back({name, {}});
         } else if (!sections.empty() && equals != std::string::npos) {
-            sections.back().second.push_back(
-                {line.substr(0, equals), line.substr(equals + 3), false});
+            const std::string key = line.substr(0, equals);
+            for (const auto& entry : sections.back().second)
+                if (entry.key == key)
+                    throw std::invalid_argument("options: second key " + key + " in [" +
+                                                sections.back().first + "]");
+            sections.back().second.push_back({key, line.substr(equals + 3), false});
         } else {
             throw std::invalid_argument("options: unexpected line \"" + line + "\"");
         }

@@ -6,6 +6,7 @@
 
 #include <superray/storage/occupancy_map.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -22,11 +23,20 @@ struct OctomapFile {
     std::unique_ptr<OccupancyMap<3>> map;
 };
 
+/// What a file may ask for. A few bytes can stand for 2^48 cells: of a file that its
+/// size does not account for, cells are refused before they are made.
+struct OctomapLimits {
+    std::uint64_t fileBytes = std::uint64_t{4} << 30;
+    std::uint64_t cells = 1'000'000'000;
+    std::uint64_t cellsOfAnyFile = std::uint64_t{1} << 24;
+    std::uint64_t cellsPerByte = 1024;
+};
+
 /// Reads an OcTree file; which of the two formats is told by its first line.
 /// Pruned leaves become all the cells that they stand for.
 /// \throws InputError naming the file and what is wrong: not an OcTree, another
 ///         tree type, truncated, deeper than 16 levels, not the announced size,
-///         more than 10^9 cells
-OctomapFile readOctomapFile(const std::string& path);
+///         more than the limits
+OctomapFile readOctomapFile(const std::string& path, const OctomapLimits& limits = {});
 
 }  // namespace superray
