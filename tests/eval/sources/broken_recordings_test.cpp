@@ -77,8 +77,7 @@ mrpt::obs::CObservationVelodyneScan::Ptr velodyneScan(double seconds) {
     auto scan = Scan::Create();
     scan->timestamp = at(seconds);
     scan->sensorLabel = "VELODYNE";
-    scan->calibration =
-        mrpt::obs::VelodyneCalibration::LoadDefaultCalibration("VLP16");
+    scan->calibration = mrpt::obs::VelodyneCalibration::LoadDefaultCalibration("VLP16");
     Scan::TVelodyneRawPacket packet;
     std::array<std::uint8_t, sizeof packet> bytes{};
     for (std::size_t i = 0; i < Scan::BLOCKS_PER_PACKET; ++i) {
@@ -132,8 +131,10 @@ struct Sample {
 /// A recording of each kind of observation, one of pairs, and a simplemap.
 std::vector<Sample> samples() {
     std::vector<Sample> result;
-    const Objects scans[] = {{makeCloud(1, 1, "LIDAR", 12)}, {laserScan(1)},
-                             {depthImage(1)},                {rotatingScan(1)},
+    const Objects scans[] = {{makeCloud(1, 1, "LIDAR", 12)},
+                             {laserScan(1)},
+                             {depthImage(1)},
+                             {rotatingScan(1)},
                              {velodyneScan(1)}};
     for (const auto& scan : scans) {
         Objects objects = {makePose(1, CPose3D(0.1, 0.2, 0, 0.1, 0, 0))};

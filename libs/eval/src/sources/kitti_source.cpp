@@ -196,7 +196,7 @@ class KittiSource final : public ScanSource {
 
     static std::vector<Trajectory::Time> readTimes(const fs::path& folder, std::size_t frames) {
         constexpr double kLargestTime = 1e11;  // s, that MRPT's clock counts
-        constexpr double kPeriod = 0.1;  // s, of KITTI's Velodyne
+        constexpr double kPeriod = 0.1;        // s, of KITTI's Velodyne
         std::vector<Trajectory::Time> times;
         if (fs::exists(folder / "times.txt")) {
             forEachLine(folder / "times.txt", [&](const std::string& l, const std::string& at) {

@@ -163,8 +163,7 @@ void ReadGuard::failAsChild(char kind) {
     if (kind == kMemory)
         throw InputError(path_ + ": is damaged: it asks for more than " +
                          std::to_string(memoryLimit(sizeOf(path_)) / kMegabyte) +
-                         " MiB of memory, after " + std::to_string(steps_) +
-                         " whole objects");
+                         " MiB of memory, after " + std::to_string(steps_) + " whole objects");
     throw InputError(message);
 }
 
@@ -174,12 +173,12 @@ void ReadGuard::failAsDead() {
     child_ = -1;
     const bool tooLong = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
     const std::string why =
-        tooLong ? "reading on takes more than " +
-                      std::to_string(secondsLimit(sizeOf(path_))) + " s of processor time"
-                : "reading on crashes MRPT" +
-                      (WIFSIGNALED(status)
-                           ? " (" + std::string(::strsignal(WTERMSIG(status))) + ")"
-                           : std::string());
+        tooLong
+            ? "reading on takes more than " + std::to_string(secondsLimit(sizeOf(path_))) +
+                  " s of processor time"
+            : "reading on crashes MRPT" +
+                  (WIFSIGNALED(status) ? " (" + std::string(::strsignal(WTERMSIG(status))) + ")"
+                                       : std::string());
     throw InputError(path_ + ": is damaged: " + why + ", after " + std::to_string(steps_) +
                      " whole objects");
 }
