@@ -14,8 +14,8 @@ namespace superray::fuzz {
 std::vector<std::string> seeds() {
     octomap::ScanGraph graph;
     for (int node = 0; node < 2; ++node) {
-        octomap::Pointcloud cloud;
-        for (int i = 0; i < 5; ++i) cloud.push_back(static_cast<float>(i), 1, 2);
+        auto* const cloud = new octomap::Pointcloud;  // the graph's from addNode() on
+        for (int i = 0; i < 5; ++i) cloud->push_back(static_cast<float>(i), 1, 2);
         graph.addNode(cloud, octomap::pose6d(0, 0, 1, 0, 0, 0.1));
     }
     std::ostringstream out;

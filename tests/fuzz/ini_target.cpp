@@ -3,6 +3,7 @@
 
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_request.h>
+#include <superray/maps/options.h>
 
 #include <stdexcept>
 

@@ -14,7 +14,8 @@ namespace superray::fuzz {
 std::vector<std::string> seeds() {
     octomap::OcTree tree(0.1);
     for (int i = 0; i < 60; ++i)
-        tree.updateNode(octomap::point3d(0.1f * static_cast<float>(i % 7), 0.1f, 0.3f), i % 3);
+        tree.updateNode(octomap::point3d(0.1f * static_cast<float>(i % 7), 0.1f, 0.3f),
+                        i % 3 != 0);
     tree.prune();
     std::ostringstream full, binary;
     tree.write(full);

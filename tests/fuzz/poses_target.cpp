@@ -16,7 +16,7 @@ std::vector<std::string> seeds() {
 void run(const std::string& input) {
     try {
         const auto trajectory = Trajectory::load(asFile(input, "input.tum"));
-        trajectory.at(trajectory.firstTime(), 1);
+        trajectory.at(trajectory.firstTime());
         trajectory.saveTum(asFile("", "output.tum"));
     } catch (const InputError&) {
     }

@@ -151,9 +151,10 @@ class RawlogSource final : public ScanSource {
         if (!actions->getFirstMovementEstimationMean(increment)) {
             ++index_.recorded.streams.emptyActions;
         } else if (!index_.recorded.streams.addAction(increment, place)) {
-            throw InputError(path_ + ": the movement of action " +
-                             std::to_string(index_.recorded.streams.actions.entries.size()) +
-                             " is not finite: no pose after it is known");
+            throw InputError(
+                path_ + ": the movement of action " +
+                std::to_string(index_.recorded.streams.actions.entries.size() + 1) +
+                " is not finite: no pose after it is known");
         }
     }
 

@@ -52,8 +52,10 @@ extern "C" __attribute__((weak)) const bool superray_linked_knowingly;
 
 /// Copies of this library in the process. Of two, one has all symbols of the other, and
 /// what both construct at start is destroyed twice at the end.
-extern "C" int superray_copies_loaded;
-extern "C" int superray_copies_loaded = 0;
+extern "C" {
+extern int superray_copies_loaded;
+int superray_copies_loaded = 0;
+}
 
 /// Before all other constructors of this library, which would already do harm.
 [[gnu::constructor(101)]] static void refuseSecondCopy() {
