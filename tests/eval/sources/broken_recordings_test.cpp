@@ -22,6 +22,7 @@
 
 #include <array>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 
 #include "eval/recorded_scans.h"

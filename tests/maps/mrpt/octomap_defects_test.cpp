@@ -7,6 +7,8 @@
 #include <octomap/OcTree.h>
 #include <superray/maps/CSuperRayOctoMap.h>
 
+#include <iostream>
+
 #include "maps/test_scans.h"
 
 namespace superray {

@@ -7,6 +7,9 @@
 #include <superray/maps/CSuperRayGridMap3D.h>
 #include <superray/maps/CSuperRayOctoMap.h>
 
+#include <set>
+#include <sstream>
+
 #include "maps/test_scans.h"
 
 namespace superray {

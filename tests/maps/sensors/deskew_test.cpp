@@ -6,7 +6,9 @@
 #include <superray/maps/observation_rays.h>
 
 #include <Eigen/Geometry>
+#include <chrono>
 #include <cstring>
+#include <iostream>
 
 #include "maps/test_scans.h"
 #if __has_include(<mrpt/maps/CPointsMapXYZIRT.h>)

@@ -12,6 +12,9 @@
 #include <superray/maps/mrpt_compat.h>
 
 #include <fstream>
+#include <map>
+#include <set>
+#include <tuple>
 
 #include "maps/test_scans.h"
 

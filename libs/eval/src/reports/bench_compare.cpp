@@ -10,6 +10,7 @@
 #include <ostream>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "engines/cpu_stopwatch.h"
 #include "engines/peak_memory.h"
