@@ -26,7 +26,8 @@ what the best label of each cell would have right.
 Simulated worlds, besides: cells against the exact geometry, occupied from p =
 0.5 on. IoU = kept / (kept + false + missed); kept: said occupied, contains
 solid; false: said occupied, contains none; missed: an exact ray ends in it, not
-said occupied. Completeness: exact end points whose cell is said occupied. Free
+said occupied. Complete points, cells: exact end points whose cell is said
+occupied, and the cells in which they lie. Free
 said occupied: false / known cells without solid.
 
 World 'walker': detected, rays to the walker, and the cells in which they ended for

@@ -49,6 +49,9 @@ double TruthScore::iou() const {
 double TruthScore::completeness() const {
     return ratio(seenPointsKept, seenPoints);
 }
+double TruthScore::cellCompleteness() const {
+    return seenCells == 0 ? 0 : 1 - ratio(missed, seenCells);
+}
 double TruthScore::freeSaidOccupied() const {
     return ratio(occupiedFree, knownFree);
 }
@@ -97,6 +100,7 @@ TruthScore WorldTruth::score(const BenchEngine& engine) const {
         const auto p = engine.occupancy(geometry_.center(cell.cell).cast<float>());
         const bool occupied = p && *p >= kOccupiedFrom;
         score.seenPoints += cell.seen;
+        score.seenCells += cell.seen > 0;
         if (occupied) {
             ++(cell.solid ? score.occupiedSolid : score.occupiedFree);
             score.seenPointsKept += cell.seen;

@@ -20,10 +20,12 @@ struct TruthScore {
     std::uint64_t occupiedFree = 0;    ///< cells said occupied that do not
     std::uint64_t missed = 0;          ///< seen surface cells not said occupied
     std::uint64_t knownFree = 0;       ///< cells without solid that the map knows
+    std::uint64_t seenCells = 0;       ///< seen surface cells
     std::uint64_t seenPoints = 0;      ///< exact end points
     std::uint64_t seenPointsKept = 0;  ///< those whose cell is said occupied
     double iou() const;                ///< intersection over union of cells, in [0, 1]
     double completeness() const;       ///< share of the exact end points kept
+    double cellCompleteness() const;   ///< share of the seen surface cells kept
     double freeSaidOccupied() const;   ///< share of knownFree
 };
 

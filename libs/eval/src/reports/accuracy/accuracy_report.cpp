@@ -60,12 +60,14 @@ std::string scoreTable(const AccuracyTable& t) {
 }
 
 std::string truthTable(const AccuracyTable& t) {
-    MapTable table({"IoU", "completeness", "free said occupied", "kept", "false", "missed"});
+    MapTable table({"IoU", "complete points", "complete cells", "free said occupied", "kept",
+                    "false", "missed"});
     for (const AccuracyRow& row : t.rows) {
         const TruthScore& s = *row.truth;
-        table.add(row, {percent(s.iou()), percent(s.completeness()),
-                        percent(s.freeSaidOccupied(), 2), formatCount(s.occupiedSolid),
-                        formatCount(s.occupiedFree), formatCount(s.missed)});
+        table.add(row,
+                  {percent(s.iou()), percent(s.completeness()), percent(s.cellCompleteness()),
+                   percent(s.freeSaidOccupied(), 2), formatCount(s.occupiedSolid),
+                   formatCount(s.occupiedFree), formatCount(s.missed)});
     }
     return table.text();
 }
@@ -125,11 +127,13 @@ Json asJson(const std::vector<AccuracyBand>& bands) {
 Json asJson(const TruthScore& s) {
     return {{"iou", s.iou()},
             {"completeness", s.completeness()},
+            {"cell_completeness", s.cellCompleteness()},
             {"free_said_occupied", s.freeSaidOccupied()},
             {"cells_occupied_solid", s.occupiedSolid},
             {"cells_occupied_free", s.occupiedFree},
             {"cells_missed", s.missed},
             {"cells_known_free", s.knownFree},
+            {"cells_seen", s.seenCells},
             {"points_seen", s.seenPoints},
             {"points_kept", s.seenPointsKept}};
 }
