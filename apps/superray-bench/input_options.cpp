@@ -12,6 +12,7 @@ const char* const kDataHelp =
     R"(DATA is a simulated world, for which no file is needed, or recorded scans:
   indoor    corridor with rooms, 66 scans of 89,446 points
   outdoor   campus, 81 scans of 247,817 points, ranges to 80 m
+  walker    hall with a walker and a box that is taken away, 60 scans of 131,072 points
   a file    .rawlog, .simplemap, .graph, or a KITTI odometry folder
 )";
 

@@ -201,7 +201,10 @@ TEST(Compare, unnecessaryTraversalsAreThoseOfSaturatedCells) {
     // Coarse cells and few points: the counting itself, by hand.
     const PointScans scans = loadPointScans({request.data[0], {}, 1});
     std::uint64_t expected = 0;
-    const auto engine = benchEngine("grid-reference").make({0.5, 1, request.policy, 20, {}});
+    BenchEngineOptions options;
+    options.resolution = 0.5;
+    options.policy = request.policy;
+    const auto engine = benchEngine("grid-reference").make(options);
     const CellGeometry<3> geometry(0.5);
     for (const PointScan& scan : scans.scans) {
         for (const Eigen::Vector3f& p : scan.points)

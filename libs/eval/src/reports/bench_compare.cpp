@@ -36,8 +36,11 @@ std::vector<Contestant> makeContestants(const PointScans& scans, double resoluti
         for (const unsigned threads : info.threaded ? request.threads : one) {
             Contestant c;
             c.info = &info;
-            c.options = {resolution, threads, request.policy, request.superRayThreshold,
-                         scans.bounds};
+            c.options.resolution = resolution;
+            c.options.threads = threads;
+            c.options.policy = request.policy;
+            c.options.superRayThreshold = request.superRayThreshold;
+            c.options.bounds = scans.bounds;
             c.run.data = scans.name;
             c.run.resolution = resolution;
             c.run.engine = name;
