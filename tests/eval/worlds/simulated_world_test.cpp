@@ -168,7 +168,7 @@ TEST(SimulatedWorld, readsBackFromItsRecording) {
     EXPECT_EQ(cloud.pointcloud->size(), world.pointsPerScan());
     EXPECT_NE(test::messageOf<MapFileError>([&] {
                   writeSimulatedRawlog(world, 1, folder / "none/a.rawlog");
-              }).find("none/a.rawlog"),
+              }).find("/none"),
               std::string::npos);
 }
 
