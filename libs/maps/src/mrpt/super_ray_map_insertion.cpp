@@ -9,6 +9,8 @@
 #include <superray/maps/super_ray_map_base.h>
 
 #include <chrono>
+#include <iterator>
+#include <optional>
 #include <stdexcept>
 
 #include "views/voxel_view.h"
@@ -88,15 +90,15 @@ bool SuperRayMapInterface::insertObservationAlong(
     PoseLimits limits;
     limits.maxGap = longestGap(trajectory);
     return insertObservationAlong(observation, [&](mrpt::Clock::time_point time) {
-        PoseTrack neighbours;
-        auto after = trajectory.lower_bound(time);
-        if (after != trajectory.end())
-            neighbours.add(after->first, mrpt::poses::CPose3D(after->second));
-        if (after != trajectory.begin()) {
-            --after;
-            neighbours.add(after->first, mrpt::poses::CPose3D(after->second));
+        std::optional<TimedPose> before, after;
+        const auto next = trajectory.lower_bound(time);
+        if (next != trajectory.end()) after.emplace(next->first, next->second);
+        if (next != trajectory.begin()) {
+            const auto last = std::prev(next);
+            before.emplace(last->first, last->second);
         }
-        return neighbours.at(time, limits);
+        return poseBetween(before ? &*before : nullptr, after ? &*after : nullptr, time, limits)
+            .pose;
     });
 }
 
