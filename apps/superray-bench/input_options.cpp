@@ -37,7 +37,7 @@ void addEngineOptions(CLI::App& app, std::vector<std::string>& engines,
     app.add_option_function<std::string>(
            "--policy",
            [&policy](const std::string& name) { policy = updatePolicyFromString(name); },
-           std::string("netEvidence, everyRay or oncePerScan; default ") + toString(policy))
+           updatePolicyNames() + "; default " + toString(policy))
         ->type_name("POLICY");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/maps/options.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
@@ -225,14 +226,8 @@ IntegratorOptions TInsertionOptions::integratorOptions() const {
 
 bool TInsertionOptions::acceptsSensor(const std::string& label) const {
     if (sensorLabel.empty()) return true;
-    std::istringstream list(sensorLabel);
-    for (std::string entry; std::getline(list, entry, ',');) {
-        const auto first = entry.find_first_not_of(" \t");
-        const auto last = entry.find_last_not_of(" \t");
-        if (first != std::string::npos && entry.substr(first, last - first + 1) == label)
-            return true;
-    }
-    return false;
+    const auto accepted = splitList(sensorLabel);
+    return std::find(accepted.begin(), accepted.end(), label) != accepted.end();
 }
 
 void TLikelihoodOptions::loadFromConfigFile(const mrpt::config::CConfigFileBase& source,

@@ -14,13 +14,17 @@ bool isPeer(const BenchEngineInfo& info) {
 
 void addOurs(const AccuracyRequest& request, Contender contender,
              std::vector<Contender>& contenders) {
+    const auto add = [&] {
+        contender.row.weights = describe(weightsOf(*contender.info, contender.options));
+        contenders.push_back(contender);
+    };
     for (const UpdatePolicy policy : request.policies) {
         contender.options.policy = policy;
         contender.row.policy = toString(policy);
         contender.row.model = "-";
         if (policy != UpdatePolicy::netEvidence || request.scanMissMins.empty()) {
             contender.options.scanMissMin.reset();
-            contenders.push_back(contender);
+            add();
             continue;
         }
         for (const double scanMissMin : request.scanMissMins) {
@@ -28,7 +32,7 @@ void addOurs(const AccuracyRequest& request, Contender contender,
             std::string digits = formatFixed(scanMissMin, 3);
             digits.erase(digits.find_last_not_of('0') + 1);
             contender.row.policy = toString(policy) + (" " + digits);
-            contenders.push_back(contender);
+            add();
         }
     }
 }
@@ -47,6 +51,7 @@ void addPeer(const AccuracyRequest& request, Contender contender,
         }
         before = weights;
         contender.row.model = toString(model);
+        contender.row.weights = describe(weights);
         contenders.push_back(contender);
     }
 }
@@ -64,8 +69,6 @@ std::vector<Contender> contendersOf(const AccuracyRequest& request, double resol
         contender.row.engine = name;
         (isPeer(*contender.info) ? addPeer : addOurs)(request, contender, contenders);
     }
-    for (Contender& contender : contenders)
-        contender.row.weights = describe(weightsOf(*contender.info, contender.options));
     return contenders;
 }
 
