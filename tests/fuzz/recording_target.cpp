@@ -3,8 +3,8 @@
 
 #include <superray/eval/input_error.h>
 #include <superray/eval/scan_source.h>
-#include <superray/maps/CSuperRayGridMap3D.h>
 
+#include "eval/insert_scans.h"
 #include "fuzz/target.h"
 
 namespace superray::fuzz {
@@ -22,15 +22,7 @@ void run(const std::string& input) {
     options.poses = PoseOrigin::fixed;
     options.truncation = Truncation::accept;
     try {
-        const auto source = openScanSource(path, options);
-        CSuperRayGridMap3D map(0.5);
-        map.insertionOptions.maxrange = 30;
-        while (const auto scan = source->next()) {
-            try {
-                map.insertObservation(*scan->observation, scan->T_map_robot);
-            } catch (const std::exception&) {  // of this scan
-            }
-        }
+        test::insertWhatCanBe(*openScanSource(path, options));
     } catch (const InputError&) {
     }
 }

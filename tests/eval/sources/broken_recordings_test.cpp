@@ -18,15 +18,16 @@
 #include <superray/maps/CSuperRayGridMap3D.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <zlib.h>
 
 #include <array>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 
+#include "eval/insert_scans.h"
 #include "eval/recorded_scans.h"
 #include "eval/temp_folder.h"
+#include "gzip_bytes.h"
 
 namespace superray {
 namespace {
@@ -34,10 +35,16 @@ namespace {
 using namespace test;
 using mrpt::poses::CPose3D;
 
-mrpt::obs::CObservation2DRangeScan::Ptr laserScan(double seconds) {
-    auto scan = mrpt::obs::CObservation2DRangeScan::Create();
+template <class Scan>
+typename Scan::Ptr emptyScan(double seconds, const char* label) {
+    auto scan = Scan::Create();
     scan->timestamp = at(seconds);
-    scan->sensorLabel = "LASER";
+    scan->sensorLabel = label;
+    return scan;
+}
+
+mrpt::obs::CObservation2DRangeScan::Ptr laserScan(double seconds) {
+    auto scan = emptyScan<mrpt::obs::CObservation2DRangeScan>(seconds, "LASER");
     scan->aperture = 3;
     scan->maxRange = 20;
     scan->resizeScanAndAssign(31, 3.0f, true);
@@ -45,9 +52,7 @@ mrpt::obs::CObservation2DRangeScan::Ptr laserScan(double seconds) {
 }
 
 mrpt::obs::CObservation3DRangeScan::Ptr depthImage(double seconds) {
-    auto scan = mrpt::obs::CObservation3DRangeScan::Create();
-    scan->timestamp = at(seconds);
-    scan->sensorLabel = "DEPTH";
+    auto scan = emptyScan<mrpt::obs::CObservation3DRangeScan>(seconds, "DEPTH");
     scan->hasRangeImage = true;
     scan->rangeImage_setSize(6, 8);
     scan->rangeImage.fill(1500);
@@ -59,9 +64,7 @@ mrpt::obs::CObservation3DRangeScan::Ptr depthImage(double seconds) {
 }
 
 mrpt::obs::CObservationRotatingScan::Ptr rotatingScan(double seconds) {
-    auto scan = mrpt::obs::CObservationRotatingScan::Create();
-    scan->timestamp = at(seconds);
-    scan->sensorLabel = "ROTATING";
+    auto scan = emptyScan<mrpt::obs::CObservationRotatingScan>(seconds, "ROTATING");
     scan->rowCount = 2;
     scan->columnCount = 12;
     scan->rangeResolution = 0.01;
@@ -75,9 +78,7 @@ mrpt::obs::CObservationRotatingScan::Ptr rotatingScan(double seconds) {
 
 mrpt::obs::CObservationVelodyneScan::Ptr velodyneScan(double seconds) {
     using Scan = mrpt::obs::CObservationVelodyneScan;
-    auto scan = Scan::Create();
-    scan->timestamp = at(seconds);
-    scan->sensorLabel = "VELODYNE";
+    auto scan = emptyScan<Scan>(seconds, "VELODYNE");
     scan->calibration = mrpt::obs::VelodyneCalibration::LoadDefaultCalibration("VLP16");
     Scan::TVelodyneRawPacket packet;
     std::array<std::uint8_t, sizeof packet> bytes{};
@@ -111,20 +112,6 @@ std::string bytesOf(const Objects& objects) {
             static_cast<std::size_t>(memory.getTotalBytesCount())};
 }
 
-std::string gzipped(const std::string& bytes) {
-    z_stream z{};
-    EXPECT_EQ(deflateInit2(&z, 6, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY), Z_OK);
-    std::string out(deflateBound(&z, bytes.size()), '\0');
-    z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    z.avail_in = static_cast<uInt>(bytes.size());
-    z.next_out = reinterpret_cast<Bytef*>(out.data());
-    z.avail_out = static_cast<uInt>(out.size());
-    EXPECT_EQ(deflate(&z, Z_FINISH), Z_STREAM_END);
-    out.resize(z.total_out);
-    deflateEnd(&z);
-    return out;
-}
-
 struct Sample {
     std::string extension, bytes;
 };
@@ -156,15 +143,7 @@ std::vector<Sample> samples() {
 /// What our programs do with a recording.
 void mapRecording(const std::string& path) {
     ScanSourceOptions options;
-    const auto source = openScanSource(path, options);
-    CSuperRayGridMap3D map(0.5);
-    map.insertionOptions.maxrange = 30;
-    while (const auto scan = source->next()) {
-        try {
-            map.insertObservation(*scan->observation, scan->T_map_robot);
-        } catch (const std::exception&) {  // e.g. no pose is finite
-        }
-    }
+    insertWhatCanBe(*openScanSource(path, options));
 }
 
 enum class Outcome { mapped, refused, crashed };
@@ -239,7 +218,7 @@ TEST(BrokenRecordings, SamplesAreWhole) {
     for (const auto& sample : samples()) {
         const auto file = folder.write("a" + sample.extension, sample.bytes);
         EXPECT_EQ(outcomeOf(file, how), Outcome::mapped) << how;
-        const auto zipped = folder.write("b" + sample.extension + ".gz", gzipped(sample.bytes));
+        const auto zipped = folder.write("b" + sample.extension + ".gz", gzip(sample.bytes));
         EXPECT_EQ(outcomeOf(zipped, how), Outcome::mapped) << how;
     }
 }
@@ -257,10 +236,10 @@ TEST(BrokenRecordings, MutatedOnesDoNoHarm) {
         std::string name = "m" + sample.extension;
         std::string bytes = mutated(sample.bytes, random);
         if (i % 3 == 1) {  // changed before it is packed
-            bytes = gzipped(bytes);
+            bytes = gzip(bytes);
             name += ".gz";
         } else if (i % 3 == 2) {  // and after
-            bytes = mutated(gzipped(sample.bytes), random);
+            bytes = mutated(gzip(sample.bytes), random);
             name += ".gz";
         }
         std::string how;

@@ -10,55 +10,11 @@
 #include <superray/maps/CSuperRayPointsMap.h>
 #include <superray/maps/CSuperRayQuadMap.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <map>
 #include <new>
 
+#include "failing_allocations.h"
 #include "maps/test_scans.h"
-
-namespace {
-std::atomic<int> allowed{-1};  // allocations that succeed; -1: all
-std::atomic<int> asked{0};
-
-void refuseSome() {
-    ++asked;
-    if (allowed < 0) return;
-    if (allowed.fetch_sub(1) > 0) return;
-    allowed = 0;
-    throw std::bad_alloc();
-}
-}  // namespace
-
-[[gnu::noinline]] void* operator new(std::size_t bytes) {
-    refuseSome();
-    if (void* const p = std::malloc(bytes)) return p;
-    throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept {
-    std::free(p);
-}
-[[gnu::noinline]] void* operator new(std::size_t bytes, std::align_val_t alignment) {
-    refuseSome();
-    const auto a = static_cast<std::size_t>(alignment);
-    if (void* const p = std::aligned_alloc(a, (bytes + a - 1) / a * a)) return p;
-    throw std::bad_alloc();
-}
-void operator delete(void* p, std::align_val_t) noexcept {
-    operator delete(p);
-}
-void* operator new[](std::size_t bytes) {
-    return operator new(bytes);
-}
-void operator delete[](void* p) noexcept {
-    operator delete(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-    operator delete(p);
-}
-void operator delete[](void* p, std::size_t) noexcept {
-    operator delete(p);
-}
 
 namespace superray {
 namespace {
@@ -130,9 +86,9 @@ TYPED_TEST(InsertionFailure, LeavesEachBlockOldOrNewAndAllElseInAgreement) {
     };
     const auto undisturbed = filled();
     const auto before = blocksOf(cellsOf(*undisturbed));
-    asked = 0;
+    test::allocations.asked = 0;
     undisturbed->insertObservation(*second, moved);
-    const int needed = asked;
+    const int needed = test::allocations.asked;
     ASSERT_GT(needed, 10);
     const auto after = blocksOf(cellsOf(*undisturbed));
     ASSERT_NE(before, after);
@@ -142,13 +98,13 @@ TYPED_TEST(InsertionFailure, LeavesEachBlockOldOrNewAndAllElseInAgreement) {
         SCOPED_TRACE("allocation " + std::to_string(succeeding));
         const auto map = filled();
         bool threw = false;
-        allowed = succeeding;
+        test::allocations.allowed = succeeding;
         try {
             map->insertObservation(*second, moved);
         } catch (const std::exception&) {  // MRPT may wrap bad_alloc
             threw = true;
         }
-        allowed = -1;
+        test::allocations.allowed = -1;
         failures += threw;
         auto now = blocksOf(cellsOf(*map));
         auto old = before;
@@ -176,13 +132,13 @@ TYPED_TEST(InsertionFailure, OfACopyLeavesTheOriginalForARetry) {
     int failures = 0;
     for (int succeeding = 0; succeeding < 400; succeeding += 9) {
         TypeParam trial(map);
-        allowed = succeeding;
+        test::allocations.allowed = succeeding;
         try {
             trial.insertObservation(*second, {});
         } catch (const std::exception&) {
             ++failures;
         }
-        allowed = -1;
+        test::allocations.allowed = -1;
         ASSERT_EQ(cellsOf(map).digest(), before);
     }
     EXPECT_GT(failures, 3);

@@ -226,6 +226,11 @@ TYPED_TEST(PointsMaps, NoChangedBitOfAStreamIsAccepted) {
     ASSERT_GT(map.size(), 3u);
     std::vector<std::uint8_t> bytes;
     mrpt::serialization::ObjectToOctetVector(&map, bytes);
+    // MRPT looks up classes without their namespaces.
+    const std::string text(bytes.begin(), bytes.end()), name = "superray::";
+    std::vector<bool> inNamespace(bytes.size(), false);
+    for (auto at = text.find(name); at != std::string::npos; at = text.find(name, at + 1))
+        std::fill_n(inNamespace.begin() + static_cast<std::ptrdiff_t>(at), name.size(), true);
     std::size_t refused = 0, same = 0;
     for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
         auto changed = bytes;
@@ -238,10 +243,13 @@ TYPED_TEST(PointsMaps, NoChangedBitOfAStreamIsAccepted) {
             continue;
         }
         ++same;
+        ASSERT_TRUE(inNamespace[bit / 8]) << bit;
         ASSERT_EQ(read->occupancy().digest(), map.occupancy().digest()) << bit;
         ASSERT_EQ(pointsByCell(*read), pointsByCell(map)) << bit;
     }
-    EXPECT_GT(refused, 8 * bytes.size() - 200) << same << " accepted with the same contents";
+    const auto letters = std::count(inNamespace.begin(), inNamespace.end(), true);
+    EXPECT_GE(refused + 8 * static_cast<std::size_t>(letters), 8 * bytes.size())
+        << same << " accepted with the same contents";
     for (std::size_t size = 0; size + 1 < bytes.size(); ++size) {
         const std::vector<std::uint8_t> cut(bytes.begin(),
                                             bytes.begin() + static_cast<std::ptrdiff_t>(size));

@@ -27,6 +27,7 @@ using mrpt::opengl::VOXEL_SET_OCCUPIED;
 
 template <class Map>
 void fill(Map& map) {
+    map.insertionOptions.setPolicy(UpdatePolicy::everyRay);  // frees more than it occupies
     for (unsigned i = 0; i < 2; ++i)
         ASSERT_TRUE(map.insertObservation(*test::randomCloud(500, i), test::someRobotPose()));
 }
@@ -43,7 +44,7 @@ void expectVoxelsLikeTheCells() {
     fill(map);
     const auto cells = map.cellTotals();
     ASSERT_GT(cells.occupied, 100u);
-    ASSERT_GT(cells.free, 100u);
+    ASSERT_GT(cells.free, cells.occupied);
     EXPECT_EQ(cells.known, cells.occupied + cells.free);
     auto voxels = voxelsOf(map);
     ASSERT_TRUE(voxels);
