@@ -33,8 +33,28 @@ int runCommand(const std::string& program, const std::string& description,
 
 }  // namespace
 
+CLI::Validator isNumber() {
+    return CLI::Validator(
+        [](std::string& text) {
+            const bool blank = text.find_first_not_of(" \t") == std::string::npos;
+            return std::string(blank ? "must be a number, is empty" : "");
+        },
+        "");
+}
+
+CLI::Validator isCount() {
+    return CLI::Validator(
+        [](std::string& text) {
+            const bool digits = text.find_first_not_of("0123456789") == std::string::npos;
+            return !text.empty() && digits
+                       ? std::string()
+                       : "'" + text + "' must be a whole number, at least 1";
+        },
+        "");
+}
+
 int runProgram(const std::string& program, const std::string& description,
-               const std::vector<CommandEntry>& entries, int errorCode, int argc, char** argv) {
+               const std::vector<CommandEntry>& entries, int argc, char** argv) {
     std::string error;
     try {
         return runCommand(program, description, entries, argc, argv);
@@ -44,7 +64,7 @@ int runProgram(const std::string& program, const std::string& description,
         error = oneLineCause(e);
     }
     std::cerr << program << ": error: " << error << std::endl;
-    return errorCode;
+    return kError;
 }
 
 }  // namespace superray

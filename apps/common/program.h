@@ -21,9 +21,17 @@ struct CommandEntry {
     Command (*declare)(CLI::App&);
 };
 
-/// main() of a program with subcommands.
-/// \param errorCode its exit code for errors, which become one line on stderr
+/// Exit codes, the same in all programs. kDifferent: what was compared (maps, engines that
+/// must agree) differs.
+enum ExitCode : int { kSuccess = 0, kDifferent = 1, kError = 2 };
+
+/// main() of a program with subcommands. Errors become one line on stderr, and kError.
 int runProgram(const std::string& program, const std::string& description,
-               const std::vector<CommandEntry>& entries, int errorCode, int argc, char** argv);
+               const std::vector<CommandEntry>& entries, int argc, char** argv);
+
+/// For options that are numbers: CLI11 takes an empty text for 0.
+CLI::Validator isNumber();
+/// For options that count things: CLI11 takes -1 for the largest number.
+CLI::Validator isCount();
 
 }  // namespace superray

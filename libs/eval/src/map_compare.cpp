@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 
@@ -147,6 +148,16 @@ std::string describe(const MapDifference& d) {
     if (!onlyOccupancy) out << "largest difference  " << d.largest << " (log-odds)\n";
     out << (d.identical() ? "identical\n" : "different\n");
     return out.str();
+}
+
+std::string describeAsJson(const MapDifference& d) {
+    const bool onlyOccupancy = d.compared == CellValues::occupancy;
+    const nlohmann::ordered_json json{
+        {"identical", d.identical()}, {"compared", onlyOccupancy ? "occupancy" : "log-odds"},
+        {"cells_a", d.cellsA},        {"cells_b", d.cellsB},
+        {"missing", d.missing},       {"extra", d.extra},
+        {"differing", d.differing},   {"largest_difference", d.largest}};
+    return json.dump(2) + "\n";
 }
 
 template MapDifference compareMaps<2>(const OccupancyMap<2>&, const OccupancyMap<2>&,

@@ -21,8 +21,7 @@ using mrpt::poses::CPose3D;
 
 constexpr int kScans = 6;
 
-ScanSourceOptions withLabel(const std::string& label,
-                            PoseOrigin origin = PoseOrigin::input) {
+ScanSourceOptions withLabel(const std::string& label, PoseOrigin origin = PoseOrigin::input) {
     ScanSourceOptions options;
     options.poses = origin;
     options.poseLabel = label;
@@ -85,8 +84,6 @@ class RecordedPosesTest : public testing::Test {
     int files_ = 0;
 };
 
-
-
 void expectPart(const std::string& text, const std::string& part) {
     EXPECT_NE(text.find(part), std::string::npos) << text;
 }
@@ -114,8 +111,7 @@ TEST_F(RecordedPosesTest, withoutTimesArePairedByOrder) {
     for (int i = 0; i < kScans; ++i) {
         scanFirst.push_back(roomScan(i, driveX(i)));
         scanFirst.push_back(odometryAt(i));
-        frames.push_back(
-            frameOf(withoutTimes({roomScan(i, driveX(i)), odometryAt(i)})));
+        frames.push_back(frameOf(withoutTimes({roomScan(i, driveX(i)), odometryAt(i)})));
     }
     for (const auto& object : equalTimes)
         std::dynamic_pointer_cast<mrpt::obs::CObservation>(object)->timestamp = at(7);
@@ -186,9 +182,8 @@ TEST_F(RecordedPosesTest, ofTwoLabelsAreRefusedWithTheList) {
         const auto good = poseAt(i, "amcl"),
                    far = poseAt(i + 0.3, "gps", CPose3D(100, 50, 0, 1, 0, 0));
         robotPoses.insert(robotPoses.end(), {good, scan, far});
-        odometries.insert(odometries.end(),
-                          {odometryAt(i, {}, "wheels"), scan,
-                           odometryAt(i + 0.3, CPose2D(-7, 0, 2), "visual")});
+        odometries.insert(odometries.end(), {odometryAt(i, {}, "wheels"), scan,
+                                             odometryAt(i + 0.3, CPose2D(-7, 0, 2), "visual")});
         both.insert(both.end(), {far, good, odometryAt(i), scan});
     }
     expectPart(errorOf(robotPoses), "robot poses of 2 labels, 'amcl' (6), 'gps' (6)");
@@ -308,8 +303,8 @@ TEST_F(RecordedPosesTest, fixActionsToo) {
 }
 
 TEST_F(RecordedPosesTest, thatAreNotFiniteAreSkippedAndCounted) {
-    const auto expected = build({poseAt(0, "p"), roomScan(0, 0), roomScan(1, 0.5),
-                                 poseAt(2, "p"), roomScan(2, 1)});
+    const auto expected = build(
+        {poseAt(0, "p"), roomScan(0, 0), roomScan(1, 0.5), poseAt(2, "p"), roomScan(2, 1)});
     auto broken = poseAt(1, "p");
     broken->pose.mean.x(std::nan(""));
     const auto built = build({poseAt(0, "p"), roomScan(0, 0), broken, roomScan(1, 0.5),
@@ -330,8 +325,7 @@ TEST(RecordingCases, poseCasesAreMappedAsTheyShould) {
         EXPECT_EQ(buildPlan(casePath(std::string(name) + ".rawlog")).digest, expected.digest)
             << name;
 
-    const auto message =
-        messageOf<InputError>([] { buildPlan(casePath("two_poses.rawlog")); });
+    const auto message = messageOf<InputError>([] { buildPlan(casePath("two_poses.rawlog")); });
     expectPart(message, "'amcl' (6), 'gps_utm' (6)");
     const auto source = openScanSource(casePath("two_poses.rawlog"), withLabel("amcl"));
     for (int i = 0; i < kScans; ++i) {

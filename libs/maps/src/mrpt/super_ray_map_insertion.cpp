@@ -10,7 +10,9 @@
 
 #include <chrono>
 #include <stdexcept>
+#include <utility>
 
+#include "mrpt/return_columns.h"
 #include "views/voxel_view.h"
 
 namespace superray {
@@ -33,6 +35,7 @@ template <int Dim>
 template <class ToBundle>
 bool CSuperRayMapBase<Dim>::insertReturns(const mrpt::obs::CObservation& observation,
                                           ReturnTimes times, ToBundle toBundle) {
+    last_ = {};
     if (!insertionOptions.acceptsSensor(observation.sensorLabel)) return false;
     insertionOptions.validate();
     Stopwatch watch;
@@ -43,7 +46,8 @@ bool CSuperRayMapBase<Dim>::insertReturns(const mrpt::obs::CObservation& observa
     TInsertionReport report;
     const RayBundle<Dim> rays = toBundle(*returns, report);
     report.toRaysSeconds = watch.lap();
-    integrate(rays, report);
+    const bool isColumn = Dim == 2 && !returns->planar;
+    integrate(rays, report, isColumn ? HitCells::notMissed : HitCells::missedToo);
     return !rays.empty();
 }
 
@@ -90,7 +94,8 @@ bool SuperRayMapInterface::insertObservationAlong(
     return insertObservationAlong(observation, [&](mrpt::Clock::time_point time) {
         PoseTrack neighbours;
         auto after = trajectory.lower_bound(time);
-        if (after != trajectory.end()) neighbours.add(after->first, mrpt::poses::CPose3D(after->second));
+        if (after != trajectory.end())
+            neighbours.add(after->first, mrpt::poses::CPose3D(after->second));
         if (after != trajectory.begin()) {
             --after;
             neighbours.add(after->first, mrpt::poses::CPose3D(after->second));
@@ -107,7 +112,7 @@ void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>& rays) {
                                     " m; must be " + std::to_string(resolution()) + " m");
     TInsertionReport report;
     report.skipped = rays.skipped();
-    integrate(rays, report);
+    integrate(rays, report, HitCells::missedToo);
 }
 
 template <int Dim>
@@ -121,7 +126,23 @@ void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>& rays) {
 }
 
 template <int Dim>
-void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionReport report) {
+void CSuperRayMapBase<Dim>::apply(const CellCountMap<Dim>& counts) {
+    recordChange(counts);
+    view_->applied(counts);
+    storage_.writable().apply(counts, sensorModel(), insertionOptions.policy);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::apply(const UpdateBatch<Dim>& batch) {
+    recordChange(batch);
+    view_->applied(batch);
+    storage_.writable().apply(batch, sensorModel(), insertionOptions.policy,
+                              insertionOptions.threads);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionReport report,
+                                      HitCells hitCells) {
     const SensorModel model = sensorModel();
     const IntegratorOptions integration = insertionOptions.integratorOptions();
     report.rays = rays.size();
@@ -130,21 +151,23 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
         OccupancyMap<Dim>& map = storage_.writable();
         Stopwatch watch;
         const UpdateBatch<Dim>* applied = nullptr;
+        UpdateBatch<Dim> changed;
         if (ScanIntegrator<Dim>::needsExactCounts(integration, model, &map)) {
-            const auto counts = countCells(rays);
+            auto counts = countCells(rays);
+            if (hitCells == HitCells::notMissed)
+                counts = withoutMissesOfHitCells<Dim>(std::move(counts));
             report.integrateSeconds = watch.lap();
             report.work.rays = rays.size();
-            recordChange(counts);
-            view_->applied(counts);
-            map.apply(counts, model, integration.policy);
+            apply(counts);
         } else {
-            const auto& batch = integrator_.integrate(rays, model, integration, &map);
-            report.integrateSeconds = watch.lap();
+            applied = &integrator_.integrate(rays, model, integration, &map);
             report.work = integrator_.statistics();
-            recordChange(batch);
-            view_->applied(batch);
-            map.apply(batch, model, integration.policy, integration.threads);
-            applied = &batch;
+            if (hitCells == HitCells::notMissed) {
+                changed = withoutMissesOfHitCells<Dim>(*applied);
+                applied = &changed;
+            }
+            report.integrateSeconds = watch.lap();
+            apply(*applied);
         }
         addStatistics(rays);
         report.applySeconds = watch.lap();
@@ -154,15 +177,18 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
     totals_ += report;
 }
 
-#define SUPERRAY_INSTANTIATE(Dim)                                                            \
-    template bool CSuperRayMapBase<Dim>::internal_insertObservation(                         \
-        const mrpt::obs::CObservation&, const std::optional<const mrpt::poses::CPose3D>&);   \
-    template bool CSuperRayMapBase<Dim>::insertObservationAlong(                             \
-        const mrpt::obs::CObservation&, const PoseAtTime&);                                  \
-    template void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>&);                  \
-    template void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>&);               \
-    template void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>&, TInsertionReport); \
-    template void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>&);              \
+#define SUPERRAY_INSTANTIATE(Dim)                                                           \
+    template bool CSuperRayMapBase<Dim>::internal_insertObservation(                        \
+        const mrpt::obs::CObservation&, const std::optional<const mrpt::poses::CPose3D>&);  \
+    template bool CSuperRayMapBase<Dim>::insertObservationAlong(                            \
+        const mrpt::obs::CObservation&, const PoseAtTime&);                                 \
+    template void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>&);                 \
+    template void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>&);              \
+    template void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>&, TInsertionReport, \
+                                                   HitCells);                               \
+    template void CSuperRayMapBase<Dim>::apply(const UpdateBatch<Dim>&);                    \
+    template void CSuperRayMapBase<Dim>::apply(const CellCountMap<Dim>&);                   \
+    template void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>&);             \
     template void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>&);
 SUPERRAY_INSTANTIATE(2)
 SUPERRAY_INSTANTIATE(3)
