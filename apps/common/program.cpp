@@ -2,8 +2,12 @@
 #include "common/program.h"
 
 #include <superray/eval/input_error.h>
+#include <unistd.h>
+
+#include <fcntl.h>
 
 #include <iostream>
+#include <stdexcept>
 
 namespace superray {
 namespace {
@@ -29,6 +33,22 @@ int runCommand(const std::string& program, const std::string& description,
     for (const auto& [subcommand, run] : commands)
         if (subcommand->parsed()) return run();
     return 0;  // not reached: a subcommand is required
+}
+
+/// Standard streams that the caller closed lead nowhere: else the next file that is
+/// opened gets their numbers, and what is printed goes into it.
+void openStandardStreams() {
+    constexpr int kStandardStreams = 3;
+    int fd = -1;
+    do fd = open("/dev/null", O_RDWR);  // the lowest number that is free
+    while (fd >= 0 && fd < kStandardStreams);
+    if (fd >= kStandardStreams) close(fd);
+}
+
+/// \throws std::runtime_error if not all could be printed (a full disk)
+void finishPrinting() {
+    std::cout.flush();
+    if (!std::cout) throw std::runtime_error("cannot write to the standard output");
 }
 
 }  // namespace
@@ -57,7 +77,10 @@ int runProgram(const std::string& program, const std::string& description,
                const std::vector<CommandEntry>& entries, int argc, char** argv) {
     std::string error;
     try {
-        return runCommand(program, description, entries, argc, argv);
+        openStandardStreams();
+        const int code = runCommand(program, description, entries, argc, argv);
+        finishPrinting();
+        return code;
     } catch (const std::bad_alloc&) {
         error = "out of memory";
     } catch (const std::exception& e) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/bench_compare.h>
 #include <superray/eval/map_output.h>
+#include <superray/storage/atomic_file.h>
 
 #include <iostream>
 #include <memory>
@@ -41,7 +42,7 @@ int compare(Arguments& a) {
     finishInputOptions(a.request.source);
     if (!a.json.empty()) checkOutputPath(a.json, {".json"});
     const auto runs = runCompare(a.request, std::cerr, progressStyle(), [&](const auto& soFar) {
-        if (!a.json.empty()) writeTextFile(a.json, runsAsJson(soFar));
+        if (!a.json.empty()) writeFileAtomically(a.json, runsAsJson(soFar));
     });
     std::cout << runsAsText(runs);
     const auto conflicts = digestConflicts(runs);

@@ -2,11 +2,8 @@
 #include "input_options.h"
 
 #include <superray/eval/bench_engine.h>
-#include <superray/eval/input_error.h>
 #include <unistd.h>
 
-#include <cstdio>
-#include <fstream>
 #include <iostream>
 
 namespace superray {
@@ -39,7 +36,7 @@ void addEngineOptions(CLI::App& app, std::vector<std::string>& engines,
     app.add_option_function<std::string>(
            "--policy",
            [&policy](const std::string& name) { policy = updatePolicyFromString(name); },
-           "everyRay (default) or oncePerScan")
+           std::string("netEvidence, everyRay or oncePerScan; default ") + toString(policy))
         ->type_name("POLICY");
 }
 
@@ -74,17 +71,6 @@ void LoadMeter::update(std::uint64_t done, std::uint64_t total, std::uint64_t po
     progress.rays = done * pointsPerScan;
     progress.seconds = std::chrono::duration<double>(now - start_).count();
     meter_->update(progress);
-}
-
-void writeTextFile(const std::string& path, const std::string& text) {
-    const std::string part = path + ".part";
-    std::ofstream file(part, std::ios::binary);
-    file << text;
-    file.close();
-    if (!file || std::rename(part.c_str(), path.c_str()) != 0) {
-        std::remove(part.c_str());
-        throw InputError("cannot write " + path);
-    }
 }
 
 }  // namespace superray

@@ -50,8 +50,6 @@ class LoadMeter {
     std::chrono::steady_clock::time_point start_;
 };
 
-/// Writes a text file, whole or not at all. \throws InputError
-void writeTextFile(const std::string& path, const std::string& text);
 /// Poses from a file if one is given.
 void finishInputOptions(ScanSourceOptions& source);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/map_output.h>
 #include <superray/eval/realtime.h>
+#include <superray/storage/atomic_file.h>
 
 #include <iostream>
 #include <memory>
@@ -47,7 +48,7 @@ int realtime(Arguments& a) {
     if (!a.json.empty()) checkOutputPath(a.json, {".json"});
     const auto runs = runRealtime(a.request, std::cerr, progressStyle());
     std::cout << realtimeAsText(a.request, runs);
-    if (!a.json.empty()) writeTextFile(a.json, realtimeAsJson(a.request, runs));
+    if (!a.json.empty()) writeFileAtomically(a.json, realtimeAsJson(a.request, runs));
     return kSuccess;
 }
 

@@ -3,7 +3,6 @@
 #include <superray/eval/scan_character.h>
 #include <superray/eval/simulated_rawlog.h>
 
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -48,7 +47,7 @@ int simulate(const Arguments& a) {
                          });
     meter.finish();
     std::cout << describe(characterOf(scans.scans, a.resolution)) << "output          "
-              << a.output << ", " << formatBytes(std::filesystem::file_size(a.output)) << "\n";
+              << describeOutput(a.output) << "\n";
     return kSuccess;
 }
 

@@ -5,7 +5,6 @@
 #include <superray/eval/progress_meter.h>
 #include <unistd.h>
 
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -73,11 +72,12 @@ int build(const Arguments& arguments) {
         return kSuccess;
     }
     const auto cells = info.cellTotals();
-    std::cout << describe(report) << "cells      " << formatCount(cells.known)
+    std::cout << describe(report) << "rule       " << describeRule(info.options().insertion)
+              << "\n"
+              << "cells      " << formatCount(cells.known)
               << " known: " << formatCount(cells.occupied) << " occupied, "
               << formatCount(cells.free) << " free\n"
-              << "output     " << arguments.output << ", "
-              << formatBytes(std::filesystem::file_size(arguments.output)) << "\n";
+              << "output     " << describeOutput(arguments.output) << "\n";
     return kSuccess;
 }
 
@@ -127,8 +127,11 @@ Command declareBuild(CLI::App& app) {
                    "Its section: a multi-metric-map, or S of [S_creationOpts], [S_insertOpts], "
                    "[S_likelihoodOpts], [S_renderOpts]")
         ->type_name("S");
-    app.add_option("--policy", a.map.policy,
-                   "everyRay (default) or oncePerScan (as OctoMap's insertPointCloud)")
+    app.add_option(
+           "--policy", a.map.policy,
+           "How the rays of a scan act on a cell: netEvidence (default; keeps surfaces "
+           "that few rays end in), everyRay (as the super ray paper) or oncePerScan (as "
+           "OctoMap's insertPointCloud); each with its own probabilities")
         ->type_name("POLICY");
     app.add_option(
            "--method", a.map.method,

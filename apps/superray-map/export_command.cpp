@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/map_output.h>
-#include <superray/eval/progress_meter.h>
 #include <superray/maps/map_factory.h>
 
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -43,8 +41,7 @@ Command declareExport(CLI::App& app) {
         const auto map = loadMap(arguments->map);
         exportMap(dynamic_cast<const SuperRayMapInterface&>(*map), arguments->output,
                   arguments->picture);
-        std::cout << arguments->output << ", "
-                  << formatBytes(std::filesystem::file_size(arguments->output)) << "\n";
+        std::cout << describeOutput(arguments->output) << "\n";
         return int{kSuccess};
     };
 }

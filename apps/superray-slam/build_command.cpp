@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/input_error.h>
+#include <superray/eval/map_output.h>
 #include <superray/eval/map_request.h>
 #include <superray/eval/progress_meter.h>
 #include <superray/slam/live_view.h>
@@ -7,7 +8,6 @@
 #include <superray/slam/slam_output.h>
 #include <unistd.h>
 
-#include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -147,8 +147,7 @@ int build(const Arguments& arguments) {
     print(report);
     for (const auto& output : arguments.outputs) {
         writeSlamOutput(slam, output);
-        std::cout << "output     " << output << ", "
-                  << formatBytes(std::filesystem::file_size(output)) << "\n";
+        std::cout << "output     " << describeOutput(output) << "\n";
     }
     return kSuccess;
 }

@@ -15,9 +15,10 @@ say() { printf '\n=== %s\n' "$*"; }
 
 say "Installing what is missing, building"
 bash share/scripts/install_deps.sh
-launcher=()
-command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-cmake --preset release ${launcher[@]+"${launcher[@]}"} >"$out/build.log"
+options=()
+! command -v ccache >/dev/null || options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+[[ ${CI:-} != true ]] || options+=(-DSUPERRAY_WERROR=ON) # as test.sh, which builds on
+cmake --preset release ${options[@]+"${options[@]}"} >"$out/build.log"
 cmake --build --preset release --parallel "$(nproc)" \
     --target superray-map superray-maps >>"$out/build.log" || {
     tail -n 30 "$out/build.log" >&2

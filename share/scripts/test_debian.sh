@@ -2,31 +2,35 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Does what a new user does, in a fresh root of a Debian release:
 #
-#   test_debian.sh RELEASE [--user] [--packages] [--keep DIR]
+#   test_debian.sh RELEASE [--user] [--packages] [--keep DIR] [--ccache DIR]
 #
 #   RELEASE     bookworm, trixie, sid, ...
 #   --user      as a plain user with sudo instead of root
 #   --packages  afterwards build the packages, and test them in another fresh root
 #   --keep DIR  where the root is made; DIR must not exist, and stays. Default: a
 #               folder that is removed at the end
+#   --ccache DIR  saves time when it is done again: ccache is installed there, and
+#               keeps what it compiled in DIR (with --user it only reads from DIR)
 #
 # Runs demo.sh and test.sh there on the committed state of this checkout, with
 # ../shared beside it (read-only) if it exists. Needs root, debootstrap (installed
 # where missing) and a network. Mounts are private to this script: none is left behind.
+# With CI=true in the environment, warnings are errors there, too.
 #
 # Exit code: 0 passed, 1 failed, 2 usage, 77 no such root can be made here.
 set -euo pipefail
 source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 
-usage() { sed -n '2,17s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 2; }
+usage() { sed -n '3,20s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 2; }
 cannot() { echo "CANNOT TEST in a fresh root: $1" >&2; exit 77; }
 
-release= keep= as_user=0 packages=0
+release= keep= cache= as_user=0 packages=0
 while [[ $# -gt 0 ]]; do
     case $1 in
         --user) as_user=1; shift ;;
         --packages) packages=1; shift ;;
         --keep) [[ $# -gt 1 ]] || usage; keep=$2; shift 2 ;;
+        --ccache) [[ $# -gt 1 ]] || usage; cache=$2; shift 2 ;;
         -*) usage ;;
         *) [[ -z $release ]] || usage; release=$1; shift ;;
     esac
@@ -49,6 +53,11 @@ else
     trap 'rm -rf --one-file-system "$root"' EXIT
 fi
 
+if [[ -n $cache ]]; then
+    mkdir -p "$cache"
+    cache=$(cd "$cache" && pwd)
+fi
+
 passed=  # not empty when something was tested already
 
 # make_root DIR: a minimal system of the release, which reaches what this one reaches.
@@ -68,7 +77,7 @@ make_root() {
 # in_root DIR COMMAND: runs a shell command there, in the checkout's copy.
 in_root() {
     unshare --mount --propagation private --pid --fork --kill-child bash -euc '
-        root=$1 shared=$2
+        root=$1 shared=$2 cache=$4 ci=$5
         mount -t proc proc "$root/proc"
         mount --rbind /sys "$root/sys"
         mount --rbind /dev "$root/dev"
@@ -77,9 +86,15 @@ in_root() {
             mount --bind "$shared" "$root/srv/shared"
             mount -o remount,bind,ro "$root/srv/shared"
         fi
+        settings=(CI="$ci")
+        if [[ -n $cache ]]; then
+            mkdir -p "$root/srv/ccache"
+            mount --bind "$cache" "$root/srv/ccache"
+            settings+=(CCACHE_DIR=/srv/ccache CCACHE_BASEDIR=/srv CCACHE_NOHASHDIR=1)
+        fi
         exec chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
-            LANG=C.UTF-8 bash -euc "cd /srv/superray; $3"' \
-        - "$1" "$source_dir/../shared" "$2" </dev/null
+            LANG=C.UTF-8 "${settings[@]}" bash -euc "cd /srv/superray; $3"' \
+        - "$1" "$source_dir/../shared" "$2" "$cache" "${CI:-}" </dev/null
 }
 
 # copy_checkout DIR
@@ -99,6 +114,11 @@ echo "=== A fresh root of Debian $release: $root"
 make_root "$root/system"
 copy_checkout "$root/system"
 
+if [[ -n $cache ]]; then
+    in_root "$root/system" "apt-get -qq update
+        apt-get -qq install --yes --no-install-recommends ccache >/dev/null 2>&1"
+fi
+
 commands="bash share/scripts/demo.sh; bash share/scripts/test.sh"
 echo "=== Debian $release: $commands"
 if ((as_user)); then
@@ -108,6 +128,7 @@ if ((as_user)); then
         useradd --create-home --shell /bin/bash tester
         echo 'tester ALL=(ALL) NOPASSWD: ALL' >/etc/sudoers.d/tester
         chown -R tester: /srv/superray
+        export CCACHE_READONLY=1 CCACHE_TEMPDIR=/tmp/ccache
         su tester -c 'set -eu; $commands'"
 else
     in_root "$root/system" "$commands"

@@ -195,5 +195,43 @@ INSTANTIATE_TEST_SUITE_P(
                     Sequence{"kitti_hdl64", "--resolution 0.2 --scans 2 --max-range 12"}),
     [](const auto& sequence) { return std::string(sequence.param.name); });
 
+TEST(Cli, whatCannotBeWrittenIsAnError) {
+    TempFolder folder;
+    runOk(folder, "build '" + makeRecording(folder) + "' -o '" + (folder / "a.srmap") + "'");
+    for (const char* name : {"x.ot", "x.bt", "x.ply", "x.3Dscene", "x.png"}) {
+        std::filesystem::create_symlink("/dev/full", folder / name);
+        const auto r =
+            run(folder, "export '" + (folder / "a.srmap") + "' '" + (folder / name) + "'");
+        EXPECT_EQ(r.code, 2) << name;
+        EXPECT_NE(r.error.find("No space left"), std::string::npos) << r.error;
+    }
+    std::filesystem::create_symlink("/dev/full", folder / "x.srmap");
+    const auto build =
+        run(folder, "build '" + (folder / "a.rawlog") + "' -o '" + (folder / "x.srmap") + "'");
+    EXPECT_EQ(build.code, 2);
+    EXPECT_NE(build.error.find("No space left"), std::string::npos) << build.error;
+    // The shell's redirection stands before that of runProgram().
+    const auto info = run(folder, "info '" + (folder / "a.srmap") + "' > /dev/full #");
+    EXPECT_EQ(info.code, 2);
+    const auto closed = run(folder, "build '" + (folder / "a.rawlog") + "' -o '" +
+                                        (folder / "c.srmap") + "' >&- #");
+    EXPECT_EQ(closed.code, 0);
+    EXPECT_EQ(readWholeFile(folder / "c.srmap"), readWholeFile(folder / "a.srmap"))
+        << "what was printed went into the map";
+}
+
+TEST(Cli, fifosAreOutputs) {
+    TempFolder folder;
+    runOk(folder, "build '" + makeRecording(folder) + "' -o '" + (folder / "a.srmap") + "'");
+    runOk(folder, "export '" + (folder / "a.srmap") + "' '" + (folder / "a.ply") + "'");
+    const std::string fifo = folder / "fifo.ply";
+    const auto r = runProgram(folder, "sh",
+                              "-c \"mkfifo '" + fifo + "'; cat '" + fifo + "' > '" +
+                                  (folder / "got") + "' & " SUPERRAY_MAP_APP " export '" +
+                                  (folder / "a.srmap") + "' '" + fifo + "' && wait\"");
+    EXPECT_EQ(r.code, 0) << r.error;
+    EXPECT_EQ(readWholeFile(folder / "got"), readWholeFile(folder / "a.ply"));
+}
+
 }  // namespace
 }  // namespace superray

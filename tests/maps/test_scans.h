@@ -130,6 +130,8 @@ inline TMapOptions unusualOptions() {
     o.insertion.minrange = 0.1;
     o.insertion.probHit = 0.65;
     o.insertion.probMiss = 0.45;
+    o.insertion.scanHitMax = 0.88;
+    o.insertion.scanMissMin = 0.31;
     o.insertion.clampingThresMin = 0.2;
     o.insertion.clampingThresMax = 0.93;
     o.insertion.occupancyThres = 0.6;

@@ -116,5 +116,15 @@ TEST_F(SlamProgram, TheLiveViewRunsInAVirtualDisplayOfABusyMachine) {
     EXPECT_EQ(Trajectory::load(folder_ / "r.tum").size(), 3u);
 }
 
+TEST_F(SlamProgram, WhatCannotBeWrittenIsAnError) {
+    for (const char* name : {"x.tum", "x.srmap", "x.simplemap", "x.3Dscene"}) {
+        std::filesystem::create_symlink("/dev/full", folder_ / name);
+        const auto r = run("build " + path("room.rawlog") + " -o " + path(name) +
+                           " --levels 0.6 --point-spacing 0.3 --resolution 0.2");
+        EXPECT_EQ(r.code, 1) << name;
+        EXPECT_NE(r.error.find("No space left"), std::string::npos) << r.error;
+    }
+}
+
 }  // namespace
 }  // namespace superray

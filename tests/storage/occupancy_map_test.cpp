@@ -45,9 +45,9 @@ TYPED_TEST(OccupancyMapContract, FreshMapIsEmpty) {
     EXPECT_EQ(summarize(this->map, this->model).known, 0u);
 }
 
-TYPED_TEST(OccupancyMapContract, ApplyEqualsOracleForBothPolicies) {
+TYPED_TEST(OccupancyMapContract, ApplyEqualsOracleForAllPolicies) {
     constexpr int Dim = TypeParam::Dim;
-    for (const auto policy : {UpdatePolicy::everyRay, UpdatePolicy::oncePerScan}) {
+    for (const auto policy : kUpdatePolicies) {
         std::uint64_t touched = 0, atMin = 0, atMax = 0;
         this->map.clear();
         this->oracle.clear();

@@ -41,7 +41,7 @@ void plainWalk(benchmark::State& state) {
         std::uint64_t cells = 0;
         for (std::size_t i = 0; i < data.rays.size(); ++i)
             forEachFreeCell(RayLine<3>(data.geometry, data.rays.origin(i), data.rays.end(i)),
-                            [&](const Cell<3>& cell) {
+                            [&](Cell<3> cell) {
                                 benchmark::DoNotOptimize(cell);
                                 ++cells;
                             });

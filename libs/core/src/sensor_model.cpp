@@ -30,6 +30,7 @@ SensorProbabilities SensorProbabilities::defaultsOf(UpdatePolicy policy) {
     if (policy == UpdatePolicy::netEvidence) {
         p.probHit = 0.9;
         p.probMiss = 0.475;
+        p.clampMin = p.scanMissMin;
     }
     return p;
 }

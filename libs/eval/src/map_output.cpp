@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_output.h>
+#include <superray/eval/progress_meter.h>
+#include <superray/maps/png_output.h>
 #include <superray/maps/super_ray_map_base.h>
-#include <unistd.h>
+#include <superray/storage/atomic_file.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -16,13 +18,12 @@ namespace fs = std::filesystem;
 
 const std::vector<std::string> kExportExtensions = {".bt", ".ot", ".ply", ".3Dscene", ".png"};
 
-void writePng(const SuperRayMapInterface& map, const std::string& path,
-              const PictureOptions& picture) {
+void writePicture(const SuperRayMapInterface& map, const std::string& path,
+                  const PictureOptions& picture) {
     if (const auto* map2 = dynamic_cast<const CSuperRayMapBase<2>*>(&map))
         return map2->exportPicture(path);
     const auto& map3 = dynamic_cast<const CSuperRayMapBase<3>&>(map);
-    if (!drawMap(map3.storage(), map3.sensorModel(), picture).saveToFile(path))
-        throw InputError(path + ": cannot be written");
+    writePng(drawMap(map3.storage(), map3.sensorModel(), picture), path);
 }
 
 void writeOctomapFile(const SuperRayMapInterface& map, const std::string& path) {
@@ -38,7 +39,7 @@ void write(const SuperRayMapInterface& map, const std::string& extension,
     if (extension == ".bt" || extension == ".ot") return writeOctomapFile(map, path);
     if (extension == ".ply") return map.exportPly(path);
     if (extension == ".3Dscene") return map.exportScene(path);
-    writePng(map, path, picture);
+    writePicture(map, path, picture);
 }
 
 }  // namespace
@@ -55,28 +56,27 @@ void checkOutputPath(const std::string& path, const std::vector<std::string>& ex
     const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
     if (!fs::is_directory(folder, error))
         throw InputError(path + ": the folder " + folder.string() + " does not exist");
-    if (access(folder.c_str(), W_OK) != 0)
-        throw InputError(path + ": the folder " + folder.string() + " cannot be written to");
+    try {
+        checkOutputFile(path);
+    } catch (const MapFileError& e) {
+        throw InputError(e.what());
+    }
 }
 
 void exportMap(const SuperRayMapInterface& map, const std::string& path,
                const PictureOptions& picture) {
     checkOutputPath(path, kExportExtensions);
-    const std::string extension = fs::path(path).extension().string();
-    fs::path temporary = path;
-    temporary.replace_extension();
-    temporary += ".writing-" + std::to_string(getpid()) + extension;
-    std::error_code ignored;
     try {
-        write(map, extension, temporary.string(), picture);
-        fs::rename(temporary, path);
+        write(map, fs::path(path).extension().string(), path, picture);
     } catch (const std::invalid_argument& e) {
-        fs::remove(temporary, ignored);
         throw InputError(path + ": " + oneLineCause(e));
-    } catch (...) {
-        fs::remove(temporary, ignored);
-        throw;
     }
+}
+
+std::string describeOutput(const std::string& path) {
+    std::error_code error;
+    const auto size = fs::file_size(path, error);
+    return error ? path : path + ", " + formatBytes(size);
 }
 
 }  // namespace superray

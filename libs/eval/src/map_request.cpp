@@ -87,7 +87,10 @@ mrpt::maps::CMetricMap::Ptr makeMap(const MapRequest& request) {
     insertion.minrange = request.minRange.value_or(insertion.minrange);
     insertion.threads = request.threads.value_or(insertion.threads);
     insertion.sensorLabel = request.sensorLabels.value_or(insertion.sensorLabel);
-    if (request.policy) insertion.policy = updatePolicyFromString(*request.policy);
+    if (request.policy) {
+        const UpdatePolicy policy = updatePolicyFromString(*request.policy);
+        if (policy != insertion.policy) insertion.setPolicy(policy);
+    }
     if (request.method) insertion.method = methodFromString(*request.method);
     interfaceOf(*map).setOptions(options);
     return map;

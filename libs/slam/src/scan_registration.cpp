@@ -72,7 +72,7 @@ TMapOptions levelOptions(double resolution, const TRegistrationOptions& options)
     o.creation.resolution = resolution;
     o.insertion.pointStatistics = true;
     // Else rays along the ground would clear it.
-    o.insertion.policy = UpdatePolicy::oncePerScan;
+    o.insertion.setPolicy(UpdatePolicy::oncePerScan);
     o.insertion.minrange = options.minRange;
     o.insertion.maxrange = options.maxRange;
     return o;

@@ -2,7 +2,6 @@
 #include <mrpt/opengl/CSetOfLines.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/opengl/stock_objects.h>
-#include <superray/eval/input_error.h>
 #include <superray/eval/map_output.h>
 #include <superray/maps/gzip_output.h>
 #include <superray/maps/mrpt_compat.h>
@@ -10,39 +9,19 @@
 #include <superray/slam/slam_output.h>
 
 #include <filesystem>
-#include <functional>
 
 namespace superray {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Writes beside `path` and renames, so that an error leaves an old file as it was.
-void replaceFile(const std::string& path,
-                 const std::function<bool(const std::string&)>& write) {
-    const std::string beside = path + ".part";
-    std::error_code error;
-    bool written = false;
-    try {
-        written = write(beside);
-    } catch (...) {
-        fs::remove(beside, error);
-        throw;
-    }
-    if (written) fs::rename(beside, path, error);
-    if (written && !error) return;
-    std::error_code ignored;
-    fs::remove(beside, ignored);
-    throw InputError(path + ": cannot be written");
-}
-
-bool writeScene(const RangeSlam& slam, const std::string& path) {
+void writeScene(const RangeSlam& slam, const std::string& path) {
     GlScene scene;
     auto map = mrpt::opengl::CSetOfObjects::Create();
     slam.map().getVisualizationInto(*map);
     scene.insert(map);
     scene.insert(makeTrajectoryView(slam.trajectory()));
-    return writeGzip(scene, path);
+    writeGzip(scene, path);
 }
 
 }  // namespace
@@ -56,10 +35,8 @@ void writeSlamOutput(const RangeSlam& slam, const std::string& path) {
     if (extension == ".tum") return slam.trajectory().saveTum(path);
     if (extension == ".srmap")
         return dynamic_cast<const SuperRayMapInterface&>(slam.map()).saveToFile(path);
-    replaceFile(path, [&](const std::string& file) {
-        return extension == ".simplemap" ? writeGzip(slam.keyFrames(), file)
-                                         : writeScene(slam, file);
-    });
+    if (extension == ".simplemap") return writeGzip(slam.keyFrames(), path);
+    writeScene(slam, path);
 }
 
 std::shared_ptr<mrpt::opengl::CSetOfObjects> makeTrajectoryView(const Trajectory& trajectory) {

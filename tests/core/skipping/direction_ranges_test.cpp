@@ -164,7 +164,7 @@ void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
     const ClassifiedScan<Dim> d = classify(scan, 5);
     DirectionRanges<Dim> ranges = rangesOf(scan, d);
     SettledRegion<Dim> region;
-    region.reset(box, nullptr, {SensorModel(), UpdatePolicy::oncePerScan});
+    region.reset(box, nullptr, {SensorModel(), UpdatePolicy::oncePerScan, {}}, nullptr);
     region.grow(g.cellOf(scan.commonOrigin()), counts, ranges, mostWork);
     for (std::size_t i = 0; i < scan.size(); ++i) {
         const RayLine<Dim> line = lineOf(scan, i);

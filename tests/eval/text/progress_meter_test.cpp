@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <superray/eval/progress_meter.h>
 
+#include <algorithm>
 #include <sstream>
 
 namespace superray {

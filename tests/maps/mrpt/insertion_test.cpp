@@ -59,7 +59,7 @@ std::map<int, std::set<std::string>> digestsOf(const std::vector<test::PosedScan
 void expectOneDigestPerDimension(const std::vector<test::PosedScan>& scans, double resolution) {
     std::size_t runs = 0;
     std::set<std::string> all;
-    for (const auto policy : {UpdatePolicy::everyRay, UpdatePolicy::oncePerScan}) {
+    for (const auto policy : kUpdatePolicies) {
         const auto digests = digestsOf(scans, resolution, policy, runs);
         ASSERT_EQ(digests.size(), 2u);
         for (const auto& [dimension, set] : digests) {
@@ -67,8 +67,8 @@ void expectOneDigestPerDimension(const std::vector<test::PosedScan>& scans, doub
             all.insert(set.begin(), set.end());
         }
     }
-    EXPECT_EQ(runs, 2u * 4u * 11u);
-    EXPECT_EQ(all.size(), 4u) << "dimensions and policies do differ";
+    EXPECT_EQ(runs, 3u * 4u * 11u);
+    EXPECT_EQ(all.size(), 6u) << "dimensions and policies do differ";
 }
 
 TEST(Insertion, AllMethodsAndStoragesAgreeOnRandomClouds) {

@@ -26,20 +26,63 @@ TEST(Options, TextRoundTripKeepsEveryBit) {
     // default.
     const std::string defaults = TMapOptions().toText();
     ASSERT_EQ(linesOf(text), linesOf(defaults));
-    ASSERT_EQ(linesOf(text), 4u + 7u + 19u + 5u + 6u);
+    ASSERT_EQ(linesOf(text), 4u + 7u + 21u + 5u + 6u);
     std::istringstream a(text), b(defaults);
     std::size_t same = 0;
     for (std::string x, y; std::getline(a, x) && std::getline(b, y);) same += x == y ? 1 : 0;
     EXPECT_EQ(same, 6u);
 }
 
-TEST(Options, DefaultsAreThePapers) {
+void expectProbabilities(const TInsertionOptions& o, const SensorProbabilities& p) {
+    EXPECT_EQ(o.probHit, p.probHit);
+    EXPECT_EQ(o.probMiss, p.probMiss);
+    EXPECT_EQ(o.clampingThresMin, p.clampMin);
+    EXPECT_EQ(o.clampingThresMax, p.clampMax);
+    EXPECT_EQ(o.occupancyThres, p.occupancyThreshold);
+    EXPECT_EQ(o.scanHitMax, p.scanHitMax);
+    EXPECT_EQ(o.scanMissMin, p.scanMissMin);
+}
+
+TInsertionOptions loaded(const std::string& lines) {
+    TInsertionOptions o;
+    o.loadFromConfigFile(CConfigFileMemory("[s]\n" + lines), "s");
+    return o;
+}
+
+TEST(Options, EveryPolicyHasProbabilitiesOfItsOwn) {
+    for (const UpdatePolicy policy : kUpdatePolicies) {
+        TInsertionOptions o;
+        o.setPolicy(policy);
+        EXPECT_EQ(o.policy, policy);
+        expectProbabilities(o, SensorProbabilities::defaultsOf(policy));
+        const auto read = loaded(std::string("policy = ") + toString(policy) + "\n");
+        EXPECT_EQ(read.policy, policy);
+        expectProbabilities(read, SensorProbabilities::defaultsOf(policy));
+    }
+    EXPECT_EQ(SensorProbabilities::defaultsOf(UpdatePolicy::everyRay).probHit, 0.7);
+    EXPECT_EQ(SensorProbabilities::defaultsOf(UpdatePolicy::netEvidence).probHit, 0.9);
+}
+
+TEST(Options, ProbabilitiesWithoutAPolicyAreThoseOfAnOctoMapConfiguration) {
+    const auto octomap = loaded("probHit = 0.75\n");
+    EXPECT_EQ(octomap.policy, UpdatePolicy::oncePerScan);
+    EXPECT_EQ(octomap.probHit, 0.75);
+    EXPECT_EQ(octomap.probMiss, 0.4);
+    EXPECT_EQ(octomap.clampingThresMin, 0.1192);
+    EXPECT_EQ(loaded("probMiss = 0.3\n").policy, UpdatePolicy::oncePerScan);
+    // Keys that do not say what a ray means leave the policy alone.
+    EXPECT_EQ(loaded("clampingThresMin = 0.2\nmaxrange = 5\n").policy,
+              UpdatePolicy::netEvidence);
+    const auto net = loaded("probHit = 0.8\npolicy = netEvidence\n");
+    EXPECT_EQ(net.policy, UpdatePolicy::netEvidence);
+    EXPECT_EQ(net.probHit, 0.8);
+    EXPECT_EQ(net.probMiss, 0.475);
+}
+
+TEST(Options, Defaults) {
     const TInsertionOptions o;
-    EXPECT_EQ(o.probHit, 0.7);
-    EXPECT_EQ(o.probMiss, 0.4);
-    EXPECT_EQ(o.clampingThresMin, 0.1192);
-    EXPECT_EQ(o.clampingThresMax, 0.971);
-    EXPECT_EQ(o.policy, UpdatePolicy::everyRay);
+    EXPECT_EQ(o.policy, UpdatePolicy::netEvidence);
+    expectProbabilities(o, SensorProbabilities::defaultsOf(o.policy));
     EXPECT_EQ(o.superRayThreshold, 20u);
     EXPECT_EQ(o.rangeLimits().maximum, std::numeric_limits<double>::infinity());
     EXPECT_NO_THROW(o.validate());
@@ -111,7 +154,9 @@ TEST(Options, BadValuesNameSectionKeyValueAndRule) {
         {"insertOpts", "clampingThresMin", "0.98", "clampingThresMin"},
         {"insertOpts", "clampingThresMax", "0.1", "clampingThresMax"},
         {"insertOpts", "occupancyThres", "1", "occupancyThres < 1"},
-        {"insertOpts", "policy", "twice", "everyRay or oncePerScan"},
+        {"insertOpts", "scanHitMax", "0.5", "0.5 < scanHitMax < 1"},
+        {"insertOpts", "scanMissMin", "0", "0 < scanMissMin < 0.5"},
+        {"insertOpts", "policy", "twice", "everyRay, oncePerScan or netEvidence"},
         {"insertOpts", "method", "fast", "superRays"},
         {"insertOpts", "threads", "0", "threads"},
         {"insertOpts", "threads", "-1", "whole number"},
@@ -128,7 +173,7 @@ TEST(Options, BadValuesNameSectionKeyValueAndRule) {
         {"likelihoodOpts", "decimation", "0", "decimation >= 1"},
         {"renderOpts", "colour", "red", "height or occupancy"},
     };
-    ASSERT_EQ(lines.size(), 29u);
+    ASSERT_EQ(lines.size(), 31u);
     for (const auto& line : lines) {
         const CConfigFileMemory file("[m_" + std::string(line.section) + "]\n" + line.key +
                                      " = " + line.value + "\n");

@@ -200,7 +200,7 @@ void checkInterface() {
     const mrpt::maps::CMetricMap& plain = map;
     const auto* const asInterface = dynamic_cast<const NearestNeighborsBase*>(&plain);
     ASSERT_NE(asInterface, nullptr);
-#if MRPT_VERSION >= 0x020B03
+#if SUPERRAY_HAS_MRPT_NEAREST_NEIGHBORS
     const mrpt::maps::NearestNeighborsCapable& nn = *asInterface;
 #else
     const NearestNeighbors& nn = map;

@@ -106,7 +106,7 @@ TEST_F(MapFileOnDisk, FailedSaveLeavesTheOldFile) {
 TEST_F(MapFileOnDisk, UnusablePathsAreRefused) {
     EXPECT_THROW(saveMapFile(folder.path + "/none/map.srmap", header, cells), MapFileError);
     EXPECT_THROW(saveMapFile(folder.path, header, cells), MapFileError) << "a directory";
-    EXPECT_THROW(saveMapFile("/dev/null", header, cells), MapFileError) << "a device";
+    EXPECT_THROW(saveMapFile("/dev/full", header, cells), MapFileError) << "a full device";
     EXPECT_THROW(loadMapFile(folder.path + "/none"), MapFileError);
     EXPECT_THROW(loadMapFile(folder.path), MapFileError);
     const std::string fifo = folder.path + "/fifo";

@@ -25,7 +25,7 @@ class OctreeAgainstOctomap : public ::testing::Test {
 };
 
 TEST_F(OctreeAgainstOctomap, RandomScans) {
-    for (const auto policy : {UpdatePolicy::everyRay, UpdatePolicy::oncePerScan})
+    for (const auto policy : kUpdatePolicies)
         for (int scan = 0; scan < 25; ++scan) {
             apply(randomBatch<3>(random, 12), policy);
             ASSERT_TRUE(sameAsOctomap()) << "scan " << scan;

@@ -42,7 +42,7 @@ class OctreeThreads : public ::testing::TestWithParam<unsigned> {
 TEST_P(OctreeThreads, ManyScans) {
     Cells<3> oracle;
     for (int scan = 0; scan < 3; ++scan) {
-        const auto policy = scan % 2 ? UpdatePolicy::oncePerScan : UpdatePolicy::everyRay;
+        const auto policy = kUpdatePolicies[scan % 3];
         // Moving on: some blocks are new, some nodes of subtrees, too.
         const auto batch = box({5 * scan - 20, -9, -8}, 16, 55, 6);
         applyToBoth(batch, policy);

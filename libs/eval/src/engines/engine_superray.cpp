@@ -16,7 +16,7 @@ class SuperrayEngine final : public BenchEngine {
     SuperrayEngine(const BenchEngineOptions& options, Method method)
         : map_(options.resolution), geometry_(options.resolution) {
         map_.insertionOptions.method = method;
-        map_.insertionOptions.policy = options.policy;
+        map_.insertionOptions.setPolicy(options.policy);
         map_.insertionOptions.threads = options.threads;
         map_.insertionOptions.superRayThreshold = options.superRayThreshold;
         TMapOptions reserving = map_.options();

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/input_error.h>
 #include <superray/eval/paper_figures.h>
+#include <superray/storage/atomic_file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <ostream>
 
 namespace superray {
@@ -41,10 +41,7 @@ Drawn draw(const fs::path& folder, const std::string& script) {
 }
 
 void write(const fs::path& folder, const NamedText& file) {
-    std::ofstream out(folder / file.name, std::ios::binary);
-    out << file.text;
-    out.close();
-    if (!out) throw InputError("cannot write " + (folder / file.name).string());
+    writeFileAtomically((folder / file.name).string(), file.text);
 }
 
 }  // namespace

@@ -3,11 +3,11 @@
 #include <mrpt/math/CQuaternion.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/trajectory.h>
+#include <superray/storage/atomic_file.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <utility>
 
@@ -115,29 +115,18 @@ Trajectory Trajectory::load(const std::string& path) {
 }
 
 void Trajectory::saveTum(const std::string& path) const {
-    const std::string beside = path + ".part";
-    {
-        std::ofstream file(beside);
-        file << "# timestamp x y z qx qy qz qw (robot pose in the map frame)\n";
-        for (const auto& [time, pose] : poses()) {
-            CQuaternionDouble q;
-            pose.getAsQuaternion(q);
-            char line[256];
-            std::snprintf(line, sizeof line, "%.7f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
-                          mrpt::Clock::toDouble(time), pose.x(), pose.y(), pose.z(), q.x(),
-                          q.y(), q.z(), q.r());
-            file << line;
-        }
-        file.close();
-        if (file) {
-            std::error_code error;
-            std::filesystem::rename(beside, path, error);
-            if (!error) return;
-        }
+    AtomicStream file(path);
+    file << "# timestamp x y z qx qy qz qw (robot pose in the map frame)\n";
+    for (const auto& [time, pose] : poses()) {
+        CQuaternionDouble q;
+        pose.getAsQuaternion(q);
+        char line[256];
+        std::snprintf(line, sizeof line, "%.7f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
+                      mrpt::Clock::toDouble(time), pose.x(), pose.y(), pose.z(), q.x(), q.y(),
+                      q.z(), q.r());
+        file << line;
     }
-    std::error_code ignored;
-    std::filesystem::remove(beside, ignored);
-    throw InputError(path + ": cannot write the trajectory");
+    file.commit();
 }
 
 }  // namespace superray

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/poses/CPose3DQuat.h>
 #include <mrpt/serialization/CArchive.h>
-#include <superray/eval/input_error.h>
 #include <superray/eval/simulated_rawlog.h>
+#include <superray/maps/gzip_output.h>
+#include <superray/storage/atomic_file.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 namespace superray {
 namespace {
@@ -19,28 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kFirstScanTime = 1.5e9;  // [s since 1970]
-
-/// A file that appears under its name only when it is whole.
-class PendingFile {
- public:
-    explicit PendingFile(std::string path) : path_(std::move(path)) {}
-    ~PendingFile() {
-        std::error_code ignored;
-        if (!done_) fs::remove(part(), ignored);
-    }
-    PendingFile(const PendingFile&) = delete;
-    PendingFile& operator=(const PendingFile&) = delete;
-    std::string part() const { return path_ + ".part"; }
-    void finish() {
-        if (std::rename(part().c_str(), path_.c_str()) != 0) fail();
-        done_ = true;
-    }
-    [[noreturn]] void fail() const { throw InputError("cannot write " + path_); }
-
- private:
-    std::string path_;
-    bool done_ = false;
-};
 
 mrpt::obs::CObservationRobotPose poseObservation(const SimulatedScan& scan,
                                                  mrpt::Clock::time_point time) {
@@ -77,28 +54,19 @@ std::string tumLine(const SimulatedScan& scan) {
 
 void writeSimulatedRawlog(const SimulatedWorld& world, std::uint64_t scans,
                           const std::string& path, const LoadProgress& progress) {
-    PendingFile rawlogFile(path), tumFile(fs::path(path).replace_extension(".tum").string());
-    mrpt::io::CFileGZOutputStream rawlog;
-    if (!rawlog.open(rawlogFile.part(), 1)) rawlogFile.fail();
+    GzipOutput rawlog(path);
+    AtomicStream tum(fs::path(path).replace_extension(".tum").string());
     auto archive = mrpt::serialization::archiveFrom(rawlog);
-    std::ofstream tum(tumFile.part());
     const auto total = std::min<std::uint64_t>(scans, world.scanCount());
     for (std::uint64_t i = 0; i < total; ++i) {
         const SimulatedScan scan = world.scan(i);
         const auto time = mrpt::Clock::fromDouble(kFirstScanTime + scan.seconds);
-        try {
-            archive << poseObservation(scan, time) << cloudObservation(scan, time);
-        } catch (const std::exception&) {  // the disk is full
-            rawlogFile.fail();
-        }
+        archive << poseObservation(scan, time) << cloudObservation(scan, time);
         tum << tumLine(scan);
         if (progress) progress(i + 1, total);
     }
-    rawlog.close();
-    tum.close();
-    if (!tum) tumFile.fail();
-    tumFile.finish();
-    rawlogFile.finish();
+    tum.commit();
+    rawlog.commit();
 }
 
 }  // namespace superray

@@ -144,8 +144,7 @@ void CSuperRayPointsMap<Dim>::follow(const RayBundle<Dim>& rays,
         followAllBlocks();
     } else {
         const SensorModel model = occupancy_->sensorModel();
-        const bool missesMayOccupy =
-            model.updated(0, 1, 0, UpdatePolicy::everyRay) >= model.occupied();
+        const bool missesMayOccupy = model.afterFewestMisses() >= model.occupied();
         for (std::size_t b = 0; b < batch->blockCount(); ++b)
             if (missesMayOccupy || batch->hits(b) || blocks_.count(batch->key(b)) != 0)
                 occupancy_->storage().visitBlock(

@@ -286,7 +286,7 @@ template <int Dim>
 void CSuperRayMapBase<Dim>::exportScene(const std::string& path) const {
     GlScene scene;
     scene.insert(visualization());
-    if (!writeGzip(scene, path)) throw std::runtime_error("cannot write " + path);
+    writeGzip(scene, path);
 }
 
 template <int Dim>

@@ -123,12 +123,12 @@ void parseValue(const std::string& text, std::string& value) {
 }
 
 void parseValue(const std::string& text, UpdatePolicy& value) {
-    for (const auto p : {UpdatePolicy::everyRay, UpdatePolicy::oncePerScan}) {
+    for (const auto p : kUpdatePolicies) {
         if (text != toString(p)) continue;
         value = p;
         return;
     }
-    throw std::invalid_argument("must be everyRay or oncePerScan");
+    throw std::invalid_argument("must be everyRay, oncePerScan or netEvidence");
 }
 
 void parseValue(const std::string& text, Method& value) {
@@ -181,6 +181,11 @@ StrictSection::StrictSection(const mrpt::config::CConfigFileBase& source,
         // MRPT pads keys with blanks when it writes them.
         entries_.push_back({trimmed(key), trimmed(withoutComment(value)), false});
     }
+}
+
+bool StrictSection::has(const std::string& key) const {
+    return std::any_of(entries_.begin(), entries_.end(),
+                       [&](const Entry& e) { return equalIgnoringCase(e.key, key); });
 }
 
 void StrictSection::rejectUnknownKeys() const {

@@ -31,10 +31,12 @@ void visitInsertion(O& o, Visit visit) {
     visit("minrange", o.minrange, "[m] nearer returns are skipped");
     visit("probHit", o.probHit, "in (0.5, 1)");
     visit("probMiss", o.probMiss, "in (0, 0.5)");
+    visit("scanHitMax", o.scanHitMax, "in (0.5, 1), netEvidence: most that a scan says");
+    visit("scanMissMin", o.scanMissMin, "in (0, 0.5), netEvidence: most that a scan says");
     visit("clampingThresMin", o.clampingThresMin, "in (0, 0.5)");
     visit("clampingThresMax", o.clampingThresMax, "in (0.5, 1)");
     visit("occupancyThres", o.occupancyThres, "in (0, 1)");
-    visit("policy", o.policy, "everyRay, oncePerScan");
+    visit("policy", o.policy, "netEvidence, everyRay, oncePerScan");
     visit("method", o.method, "reference, perRay, superRays, culling, full, auto");
     visit("superRayThreshold", o.superRayThreshold, "fewer points in a cell: not grouped");
     visit("threads", o.threads, ">= 1");
@@ -97,10 +99,21 @@ void validateIn(const std::string& section, const Options& options) {
     }
 }
 
+/// Chooses the policy before single values are read; see TInsertionOptions.
+void choosePolicy(StrictSection& section, TInsertionOptions& options) {
+    UpdatePolicy policy = options.policy;
+    if (section.has("policy"))
+        StrictSection(section).read("policy", policy);
+    else if (section.has("probHit") || section.has("probMiss"))
+        policy = UpdatePolicy::oncePerScan;
+    if (policy != options.policy) options.setPolicy(policy);
+}
+
 /// All or nothing.
 template <class Options>
 void readSection(StrictSection section, const std::string& name, Options& options) {
     Options updated = options;
+    if constexpr (std::is_same_v<Options, TInsertionOptions>) choosePolicy(section, updated);
     visitOptions(updated,
                  [&](const char* key, auto& value, const char*) { section.read(key, value); });
     // octoMap's sections work here: its trees may be pruned or not, ours always are.
@@ -156,6 +169,15 @@ void TInsertionOptions::saveToConfigFile(mrpt::config::CConfigFileBase& target,
                                          const std::string& section) const {
     writeSection(*this, target, section);
 }
+void TInsertionOptions::setPolicy(UpdatePolicy chosen) {
+    const auto suited = SensorProbabilities::defaultsOf(chosen);
+    policy = chosen;
+    probHit = suited.probHit;
+    probMiss = suited.probMiss;
+    clampingThresMin = suited.clampMin;
+    scanHitMax = suited.scanHitMax;
+    scanMissMin = suited.scanMissMin;
+}
 void TInsertionOptions::validate() const {
     sensorModel();
     rangeLimits();
@@ -173,7 +195,17 @@ void TInsertionOptions::validate() const {
 
 SensorModel TInsertionOptions::sensorModel() const {
     return SensorModel(SensorProbabilities{probHit, probMiss, clampingThresMin,
-                                           clampingThresMax, occupancyThres});
+                                           clampingThresMax, occupancyThres, scanHitMax,
+                                           scanMissMin});
+}
+
+std::string describeRule(const TInsertionOptions& o) {
+    std::ostringstream out;
+    out << toString(o.policy) << ", hit " << o.probHit << ", miss " << o.probMiss;
+    if (o.policy == UpdatePolicy::netEvidence)
+        out << ", a scan " << o.scanMissMin << " to " << o.scanHitMax;
+    out << ", clamps " << o.clampingThresMin << " to " << o.clampingThresMax;
+    return out.str();
 }
 
 RangeLimits TInsertionOptions::rangeLimits() const {

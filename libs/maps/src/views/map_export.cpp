@@ -3,21 +3,15 @@
 
 #include <mrpt/img/CImage.h>
 #include <octomap/OcTree.h>
+#include <superray/maps/png_output.h>
+#include <superray/storage/atomic_file.h>
 #include <superray/storage/octree.h>
 
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 
 namespace superray {
-namespace {
-
-[[noreturn]] void failWriting(const std::string& path) {
-    throw std::runtime_error("cannot write " + path);
-}
-
-}  // namespace
 
 void writeOctomap(const OccupancyMap<3>& map, const SensorModel& model,
                   const std::string& path) {
@@ -32,9 +26,11 @@ void writeOctomap(const OccupancyMap<3>& map, const SensorModel& model,
         map.forEachBlock([&](const BlockView<3>& block) { filled->setBlock(block); });
         octree = filled.get();
     }
+    // OctoMap's own writers to files do not look whether the disk is full.
+    AtomicStream file(path);
     if (extension == ".ot") {
-        if (!octree->tree().write(path)) failWriting(path);
-        return;
+        octree->tree().write(file);
+        return file.commit();
     }
     // .bt holds one bit per leaf, so what counts as occupied must be set first.
     octomap::OcTree binary(octree->tree());
@@ -43,7 +39,8 @@ void writeOctomap(const OccupancyMap<3>& map, const SensorModel& model,
     binary.setClampingThresMax(model.probabilities().clampMax);
     binary.toMaxLikelihood();
     binary.prune();
-    if (!binary.writeBinaryConst(path)) failWriting(path);
+    binary.writeBinaryConst(file);
+    file.commit();
 }
 
 template <int Dim>
@@ -61,15 +58,14 @@ void writePly(const OccupancyMap<Dim>& map, const SensorModel& model, const std:
                                 static_cast<float>(probabilityOf(block.values[i]))});
         }
     });
-    std::ofstream file(path, std::ios::binary);
+    AtomicStream file(path);
     file << "ply\nformat binary_little_endian 1.0\ncomment occupied cells, resolution "
          << map.geometry().resolution() << " m\nelement vertex " << vertices.size()
          << "\nproperty float x\nproperty float y\nproperty float z\n"
             "property float probability\nend_header\n";
     file.write(reinterpret_cast<const char*>(vertices.data()),
                static_cast<std::streamsize>(vertices.size() * sizeof(Vertex)));
-    file.close();
-    if (!file) failWriting(path);
+    file.commit();
 }
 
 template void writePly(const OccupancyMap<2>&, const SensorModel&, const std::string&);
@@ -101,7 +97,7 @@ void writePicture(const OccupancyMap<2>& map, const SensorModel& model,
             row[c[0] - s.lowest[0]] = block.values[i] >= model.occupied() ? kOccupied : kFree;
         }
     });
-    if (!image.saveToFile(path)) failWriting(path);
+    writePng(image, path);
 }
 
 }  // namespace superray

@@ -110,9 +110,8 @@ void VoxelView<Dim>::refresh(const OccupancyMap<Dim>& map, const Style& style) {
     } else {
         // A miss seldom makes a cell appear: only where free cells are drawn, or
         // where the threshold is so low that a missed cell counts as occupied.
-        const bool missesMayShow =
-            style.options.generateFreeVoxels ||
-            style.model.updated(0, 1, 0, UpdatePolicy::everyRay) >= style.model.occupied();
+        const bool missesMayShow = style.options.generateFreeVoxels ||
+                                   style.model.afterFewestMisses() >= style.model.occupied();
         sortUnique(missed_);
         for (const Key& key : missed_)
             if (missesMayShow || blocks_.count(key) != 0) hit_.push_back(key);

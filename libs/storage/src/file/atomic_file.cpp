@@ -1,135 +1,137 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "file/atomic_file.h"
-
-#include <superray/storage/map_file_error.h>
+#include <superray/storage/atomic_file.h>
 
 #include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <atomic>
+#include <algorithm>
 #include <cerrno>
-#include <filesystem>
-#include <system_error>
-#include <utility>
+#include <cstring>
+#include <exception>
+#include <optional>
+#include <vector>
+
+#include "file/temporary_file.h"
 
 namespace superray {
 namespace {
 
-namespace fs = std::filesystem;
+constexpr std::size_t kBufferSize = std::size_t{1} << 18;
 
-[[noreturn]] void fail(const std::string& what, const std::string& path, int error) {
-    throw MapFileError("cannot " + what + " " + path + ": " +
-                       std::generic_category().message(error));
-}
-
-/// An open file descriptor.
-class Descriptor {
- public:
-    explicit Descriptor(int fd) : fd_(fd) {}
-    ~Descriptor() {
-        if (fd_ >= 0) ::close(fd_);
+void writeAll(int fd, const char* data, std::size_t size, const std::string& path) {
+    while (size > 0) {
+        const ssize_t n = ::write(fd, data, size);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) failOnFile("write", path, n < 0 ? errno : EIO);
+        data += n;
+        size -= static_cast<std::size_t>(n);
     }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    int get() const { return fd_; }
-    /// \return false on failure (data may be lost: errors surface here, too)
-    bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
-
- private:
-    int fd_;
-};
-
-/// A file that goes away unless it is renamed.
-class TemporaryFile {
- public:
-    explicit TemporaryFile(const std::string& target) {
-        static std::atomic<unsigned> counter{0};
-        do {
-            path_ =
-                target + ".tmp" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
-            fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        } while (fd_ < 0 && errno == EEXIST);
-        if (fd_ < 0) fail("create", path_, errno);
-    }
-    ~TemporaryFile() {
-        if (!path_.empty()) ::unlink(path_.c_str());
-    }
-    TemporaryFile(const TemporaryFile&) = delete;
-    TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-    int fd() const { return fd_; }
-    const std::string& path() const { return path_; }
-    void renameTo(const std::string& target) {
-        if (::rename(path_.c_str(), target.c_str()) != 0) fail("replace", target, errno);
-        path_.clear();
-    }
-
- private:
-    std::string path_;
-    int fd_ = -1;
-};
-
-void writeAll(int fd, const Bytes& contents, const std::string& path) {
-    for (std::size_t at = 0; at < contents.size();) {
-        const ssize_t n = ::write(fd, contents.data() + at, contents.size() - at);
-        if (n < 0 && errno != EINTR) fail("write", path, errno);
-        if (n > 0) at += static_cast<std::size_t>(n);
-    }
-}
-
-/// Makes a rename in `directory` last.
-void syncDirectory(const fs::path& directory) {
-    const Descriptor d(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (d.get() < 0) fail("open", directory, errno);
-    // Some file systems cannot sync directories and say EINVAL.
-    if (::fsync(d.get()) != 0 && errno != EINVAL) fail("sync", directory, errno);
-}
-
-/// The file to replace: links resolved; no devices or directories.
-fs::path replaceable(const std::string& path) {
-    std::error_code error;
-    fs::path target = path;
-    if (fs::is_symlink(target, error)) {
-        target = fs::canonical(target, error);
-        if (error) fail("follow the link", path, error.value());
-    }
-    if (fs::exists(target, error) && !fs::is_regular_file(target, error))
-        throw MapFileError("cannot write " + path + ": it exists and is not a regular file");
-    return target;
 }
 
 }  // namespace
 
-void writeFileAtomically(const std::string& path, const Bytes& contents) {
-    const fs::path target = replaceable(path);
-    TemporaryFile temporary(target);
-    {
-        Descriptor file(temporary.fd());
-        writeAll(file.get(), contents, temporary.path());
-        if (::fsync(file.get()) != 0) fail("sync", temporary.path(), errno);
-        if (!file.close()) fail("close", temporary.path(), errno);
+struct AtomicFile::State {
+    explicit State(const std::string& p) : path(p) {
+        buffer.reserve(kBufferSize);
+        const OutputTarget target = findOutputTarget(path);
+        if (target.kind != OutputTarget::Kind::stream) {
+            temporary.emplace(target);
+            return;
+        }
+        stream = FileDescriptor(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY));
+        if (!stream.isOpen()) failOnFile("write", path, errno);
     }
-    temporary.renameTo(target);
-    syncDirectory(target.has_parent_path() ? target.parent_path() : fs::path("."));
+
+    void put(const char* data, std::size_t size) {
+        if (failed) throw MapFileError("cannot write " + path + ": an earlier write failed");
+        failed = true;  // until all went well
+        writeAll(temporary ? temporary->fd() : stream.get(), data, size, path);
+        failed = false;
+    }
+
+    void flush() {
+        put(buffer.data(), buffer.size());
+        buffer.clear();
+    }
+
+    std::string path;
+    std::vector<char> buffer;
+    std::optional<TemporaryFile> temporary;
+    FileDescriptor stream;
+    bool failed = false;
+};
+
+AtomicFile::AtomicFile(const std::string& path) : state_(std::make_unique<State>(path)) {}
+
+AtomicFile::~AtomicFile() = default;
+
+void AtomicFile::write(const void* data, std::size_t size) {
+    State& s = *state_;
+    const char* bytes = static_cast<const char*>(data);
+    if (s.buffer.size() + size > kBufferSize) s.flush();
+    if (size >= kBufferSize) return s.put(bytes, size);
+    s.buffer.insert(s.buffer.end(), bytes, bytes + size);
 }
 
-Bytes readWholeFile(const std::string& path) {
-    // O_NONBLOCK: do not wait for the writer of a FIFO, refuse it.
-    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-    if (file.get() < 0) fail("open", path, errno);
-    struct stat info {};
-    if (::fstat(file.get(), &info) != 0) fail("examine", path, errno);
-    if (!S_ISREG(info.st_mode))
-        throw MapFileError("cannot read " + path + ": not a regular file");
-    Bytes contents(static_cast<std::size_t>(info.st_size));
-    for (std::size_t at = 0; at < contents.size();) {
-        const ssize_t n = ::read(file.get(), contents.data() + at, contents.size() - at);
-        if (n < 0 && errno != EINTR) fail("read", path, errno);
-        if (n == 0) throw MapFileError("cannot read " + path + ": it became shorter meanwhile");
-        if (n > 0) at += static_cast<std::size_t>(n);
+void AtomicFile::commit() {
+    State& s = *state_;
+    s.flush();
+    s.failed = true;  // nothing can be written after it
+    if (s.temporary)
+        s.temporary->replaceTarget();
+    else if (!s.stream.close())
+        failOnFile("close", s.path, errno);
+}
+
+class AtomicStream::Buffer : public std::streambuf {
+ public:
+    explicit Buffer(const std::string& path) : file(path) {}
+
+    AtomicFile file;
+    std::exception_ptr error;  ///< the first one
+
+ protected:
+    std::streamsize xsputn(const char* data, std::streamsize size) override {
+        try {
+            if (error) return 0;
+            file.write(data, static_cast<std::size_t>(size));
+            return size;
+        } catch (...) {
+            error = std::current_exception();
+            return 0;
+        }
     }
-    return contents;
+    int_type overflow(int_type c) override {
+        if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+        const char byte = traits_type::to_char_type(c);
+        return xsputn(&byte, 1) == 1 ? c : traits_type::eof();
+    }
+};
+
+AtomicStream::AtomicStream(const std::string& path)
+    : std::ostream(nullptr), buffer_(std::make_unique<Buffer>(path)) {
+    rdbuf(buffer_.get());
+}
+
+AtomicStream::~AtomicStream() = default;
+
+void AtomicStream::commit() {
+    if (buffer_->error) std::rethrow_exception(buffer_->error);
+    if (!*this) throw MapFileError("cannot write a file: its contents could not be made");
+    buffer_->file.commit();
+}
+
+void writeFileAtomically(const std::string& path, std::string_view contents) {
+    AtomicFile file(path);
+    file.write(contents.data(), contents.size());
+    file.commit();
+}
+
+void checkOutputFile(const std::string& path) {
+    const OutputTarget target = findOutputTarget(path);
+    const auto& checked =
+        target.kind == OutputTarget::Kind::stream ? target.path : target.folder();
+    if (::faccessat(AT_FDCWD, checked.c_str(), W_OK, AT_EACCESS) != 0)
+        failOnFile("write", path + " (in " + checked + ")", errno);
 }
 
 }  // namespace superray

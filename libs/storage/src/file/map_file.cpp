@@ -3,13 +3,14 @@
 
 #include <superray/storage/map_file.h>
 
+#include <superray/storage/atomic_file.h>
 #include <superray/storage/block_grid.h>
 #include <superray/storage/octree.h>
 #include <superray/storage/quadtree.h>
 
-#include "file/atomic_file.h"
 #include "file/byte_io.h"
 #include "file/deflate_stream.h"
+#include "file/input_file.h"
 
 #include <algorithm>
 #include <array>
@@ -177,7 +178,7 @@ void saveMapFile(const std::string& path, const MapFileHeader& header,
     putSection(file, kHeadTag, head);
     putSection(file, kOptionsTag, options);
     putSection(file, kCellsTag, cells);
-    writeFileAtomically(path, file);
+    writeFileAtomically(path, {reinterpret_cast<const char*>(file.data()), file.size()});
 }
 
 MapFile loadMapFile(const std::string& path) {

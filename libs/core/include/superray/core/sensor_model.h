@@ -29,11 +29,12 @@ struct SensorProbabilities {
     double occupancyThreshold = 0.5;
     /// Policy netEvidence only: what one scan can make of an unknown cell.
     double scanHitMax = 0.9;
-    double scanMissMin = 0.299;
+    double scanMissMin = 0.293;
 
     /// What suits a policy. For everyRay and oncePerScan these are the paper's, as above. For
     /// netEvidence, probHit = 0.9 and probMiss = 0.475: a cell with surface in it ends about
-    /// one ray in ten that reach it, and a free one about one in a hundred.
+    /// one ray in ten that reach it, and a free one about one in a hundred. Its lower clamp is
+    /// scanMissMin: one clear scan makes a cell as free as it gets, and settles it.
     static SensorProbabilities defaultsOf(UpdatePolicy policy);
 };
 
@@ -78,6 +79,12 @@ class SensorModel {
         const float sum = h + m;
         const float capped = sum < scanHit_ ? sum : scanHit_;
         return capped > scanMiss_ ? capped : scanMiss_;
+    }
+
+    /// The most that an unknown cell can have after misses alone, under any policy.
+    float afterFewestMisses() const {
+        return std::max({updated(0, 1, 0, UpdatePolicy::everyRay),
+                         updated(0, 1, 0, UpdatePolicy::netEvidence)});
     }
 
     /// Design rule 4 and 5 for one cell: the one definition of an update.

@@ -19,7 +19,7 @@ struct CompareRequest {
     std::vector<double> resolutions;      ///< [m]
     std::vector<std::string> engines;     ///< names of benchEngines()
     std::vector<unsigned> threads = {1};  ///< of the engines that have threads
-    UpdatePolicy policy = UpdatePolicy::everyRay;
+    UpdatePolicy policy = UpdatePolicy::netEvidence;
     std::uint32_t superRayThreshold = 20;
     ScanSourceOptions source;  ///< how recorded data are read; maxScans for all data
     std::uint64_t worldSeed = 1;

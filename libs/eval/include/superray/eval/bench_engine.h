@@ -18,7 +18,7 @@ namespace superray {
 struct BenchEngineOptions {
     double resolution = 0.1;  ///< [m]
     unsigned threads = 1;
-    UpdatePolicy policy = UpdatePolicy::everyRay;
+    UpdatePolicy policy = UpdatePolicy::netEvidence;
     std::uint32_t superRayThreshold = 20;
     /// Where the data are, for engines whose map has a fixed size [m].
     Eigen::AlignedBox3f bounds;

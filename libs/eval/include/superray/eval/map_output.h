@@ -17,11 +17,14 @@ namespace superray {
 void checkOutputPath(const std::string& path, const std::vector<std::string>& extensions);
 
 /// Writes a map in the format of the extension: .bt, .ot (OctoMap, 3D), .ply,
-/// .3Dscene (MRPT), .png (picture). The file is written beside `path` and
-/// renamed when whole, so that an error leaves an old file as it was.
+/// .3Dscene (MRPT), .png (picture), by the rules of AtomicFile: an error
+/// leaves an old file as it was.
 /// \throws InputError for an unknown extension or a format that the map cannot
-///         take; std::exception if it cannot be written
+///         take; MapFileError if it cannot be written
 void exportMap(const SuperRayMapInterface& map, const std::string& path,
                const PictureOptions& picture = {});
+
+/// "path, size" of a written file; of a FIFO or device the path alone.
+std::string describeOutput(const std::string& path);
 
 }  // namespace superray

@@ -28,7 +28,7 @@ struct RealtimeRequest {
     double resolution = 0.2;  ///< [m]
     std::vector<std::string> engines;
     std::vector<unsigned> threads = {1};
-    UpdatePolicy policy = UpdatePolicy::everyRay;
+    UpdatePolicy policy = UpdatePolicy::netEvidence;
     TrainingPoints training = TrainingPoints::share;
     /// [MB] that our maps take before the first scan, as a robot's would; see
     /// TCreationOptions::reserve_megabytes.

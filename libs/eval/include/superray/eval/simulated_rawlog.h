@@ -14,9 +14,10 @@ namespace superray {
 /// Writes the first `scans` scans (all, if there are fewer): per scan a
 /// CObservationRobotPose (label POSE) and a CObservationPointCloud (label
 /// SIMULATED) of the same time. Beside it, `<name>.tum` has the true robot
-/// poses: `t x y z qx qy qz qw`. Both files are written whole or not at all.
+/// poses: `t x y z qx qy qz qw`. Each of them is written whole or not
+/// at all.
 /// \param path ends in .rawlog
-/// \throws InputError if it cannot be written
+/// \throws MapFileError if they cannot be written
 void writeSimulatedRawlog(const SimulatedWorld& world, std::uint64_t scans,
                           const std::string& path, const LoadProgress& progress = {});
 

@@ -27,8 +27,8 @@ class Trajectory : public PoseTrack {
     /// Rows of the file that were not finite.
     std::uint64_t skippedRows() const { return skippedRows_; }
 
-    /// Writes TUM text (8 columns, see load()); the old file stays on errors.
-    /// \throws InputError
+    /// Writes TUM text (8 columns, see load()), by the rules of AtomicFile.
+    /// \throws MapFileError
     void saveTum(const std::string& path) const;
 
  private:

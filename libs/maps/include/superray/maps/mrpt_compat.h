@@ -47,14 +47,17 @@
 #define SUPERRAY_OVERRIDE_SINCE_2_11_3
 #endif
 
-// So is NearestNeighborsCapable.
+// NearestNeighborsCapable exists from 2.11.3 on.
 #if MRPT_VERSION >= 0x020B03
+#define SUPERRAY_HAS_MRPT_NEAREST_NEIGHBORS 1
 #include <mrpt/maps/NearestNeighborsCapable.h>
+#else
+#define SUPERRAY_HAS_MRPT_NEAREST_NEIGHBORS 0
 #endif
 
 namespace superray {
 
-#if MRPT_VERSION >= 0x020B03
+#if SUPERRAY_HAS_MRPT_NEAREST_NEIGHBORS
 using NearestNeighborsBase = mrpt::maps::NearestNeighborsCapable;
 #else
 /// In the place of an interface that MRPT does not have yet.

@@ -64,6 +64,9 @@ class StrictSection {
         }
     }
 
+    /// Whether the section has this key, read or not.
+    bool has(const std::string& key) const;
+
     /// To be called after all read().
     /// \throws std::invalid_argument naming an unread key and the closest known one
     void rejectUnknownKeys() const;

@@ -47,14 +47,22 @@ struct TCreationOptions : public mrpt::config::CLoadableOptions {
 
 /// Section `<map>_insertOpts`. Names that COctoMap has mean what they mean there.
 struct TInsertionOptions : public mrpt::config::CLoadableOptions {
-    double maxrange = -1;   ///< [m] longer rays are cut and clear only; <= 0: no limit
-    double minrange = 0;    ///< [m] nearer returns are skipped
-    double probHit = 0.7;   ///< in (0.5, 1)
-    double probMiss = 0.4;  ///< in (0, 0.5)
-    double clampingThresMin = 0.1192;  ///< lowest probability of a cell, in (0, 0.5)
-    double clampingThresMax = 0.971;   ///< highest probability of a cell, in (0.5, 1)
-    double occupancyThres = 0.5;       ///< occupied from this probability on, in (0, 1)
-    UpdatePolicy policy = UpdatePolicy::everyRay;
+    double maxrange = -1;  ///< [m] longer rays are cut and clear only; <= 0: no limit
+    double minrange = 0;   ///< [m] nearer returns are skipped
+    // The probabilities are those of the default policy; see setPolicy() and
+    // loadFromConfigFile().
+    double probHit = 0.9;     ///< in (0.5, 1): what one hit says
+    double probMiss = 0.475;  ///< in (0, 0.5): what one miss says
+    /// Policy netEvidence only: the most that one scan makes of an unknown cell, in (0.5, 1)
+    /// and in (0, 0.5). For a static world, scanMissMin = 0.4 keeps more thin surfaces.
+    double scanHitMax = 0.9;
+    double scanMissMin = 0.293;
+    double clampingThresMin = 0.293;  ///< lowest probability of a cell, in (0, 0.5)
+    double clampingThresMax = 0.971;  ///< highest probability of a cell, in (0.5, 1)
+    double occupancyThres = 0.5;      ///< occupied from this probability on, in (0, 1)
+    /// netEvidence keeps surfaces that few of the rays end in; everyRay is the paper's rule,
+    /// oncePerScan OctoMap's (doc/accuracy.md).
+    UpdatePolicy policy = UpdatePolicy::netEvidence;
     Method method = Method::automatic;  ///< all give the same map
     std::uint32_t superRayThreshold = 20;
     std::uint32_t threads = 1;        ///< >= 1; the map does not depend on it
@@ -81,6 +89,15 @@ struct TInsertionOptions : public mrpt::config::CLoadableOptions {
     /// matching knows where the surface lies in it (costs time and memory).
     bool pointStatistics = false;
 
+    /// Chooses a policy, and the probabilities that suit it: probHit, probMiss and
+    /// clampingThresMin are 0.9, 0.475 and 0.293 for netEvidence, 0.7, 0.4 and 0.1192 for the
+    /// others. To have other ones, set them afterwards.
+    void setPolicy(UpdatePolicy policy);
+
+    /// Absent keys keep their values, but: if `policy` changes, the probabilities become those
+    /// of setPolicy() where they are absent. If `probHit` or `probMiss` is given and
+    /// `policy` is not, they are taken for those of an OctoMap configuration, and the policy
+    /// becomes oncePerScan, which gives OctoMap's map.
     void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
                             const std::string& section) override;
     void saveToConfigFile(mrpt::config::CConfigFileBase& target,
@@ -95,6 +112,9 @@ struct TInsertionOptions : public mrpt::config::CLoadableOptions {
     /// True if `label` is in sensorLabel, or that is empty.
     bool acceptsSensor(const std::string& label) const;
 };
+
+/// What a scan does to a cell, in a line: policy and probabilities.
+std::string describeRule(const TInsertionOptions& options);
 
 /// Section `<map>_likelihoodOpts`: end-point model. A return scores
 /// log((1 - w) exp(-d^2 / (2 sigma^2)) + w), with d the distance from its end

@@ -109,14 +109,14 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
 
     /// OctoMap file: .bt (occupied or free only) or .ot (log-odds). 3D maps only.
     /// \throws std::invalid_argument for other extensions
-    /// \throws std::runtime_error if it cannot be written
+    /// \throws MapFileError if it cannot be written; then an old file is still whole
     template <int D = Dim, std::enable_if_t<D == 3, int> = 0>
     void exportOctomap(const std::string& path) const {
         writeOctomap(*storage_, sensorModel(), path);
     }
     /// Grey picture: occupied black, free white, unknown grey. 2D maps only.
     /// \throws std::invalid_argument for more than 32768 pixels a side
-    /// \throws std::runtime_error if it cannot be written
+    /// \throws MapFileError if it cannot be written; then an old file is still whole
     template <int D = Dim, std::enable_if_t<D == 2, int> = 0>
     void exportPicture(const std::string& path) const {
         writePicture(*storage_, sensorModel(), path);
@@ -129,7 +129,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     /// cubes on z = 0); empty if genericMapParams.enableSaveAs3DObject is off.
     void getVisualizationInto(mrpt_viz::CSetOfObjects& objects) const override;
     /// Writes <prefix>.srmap and <prefix>.3Dscene, in 3D <prefix>.bt and
-    /// <prefix>.ot, in 2D the picture <prefix>.png.
+    /// <prefix>.ot, in 2D the picture <prefix>.png; each of them whole or not at all.
+    /// \throws MapFileError
     void saveMetricMapRepresentationToFile(const std::string& prefix) const override;
     /// Share of the other map's points (it must be, or hold, a points map) that
     /// have an occupied cell within maxDistForCorr; 0 for other maps.

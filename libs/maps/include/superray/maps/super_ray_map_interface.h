@@ -130,10 +130,10 @@ class SuperRayMapInterface {
     virtual void loadFromFile(const std::string& path) = 0;
 
     /// Binary PLY: centres of occupied cells and their probability.
-    /// \throws std::runtime_error if it cannot be written
+    /// \throws MapFileError if it cannot be written; then an old file is still whole
     virtual void exportPly(const std::string& path) const = 0;
     /// MRPT scene with the map's visualisation, whatever enableSaveAs3DObject is.
-    /// \throws std::runtime_error if it cannot be written
+    /// \throws MapFileError if it cannot be written; then an old file is still whole
     virtual void exportScene(const std::string& path) const = 0;
 };
 
