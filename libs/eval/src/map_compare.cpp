@@ -2,6 +2,7 @@
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_compare.h>
 #include <superray/eval/progress_meter.h>
+#include <superray/maps/option_text.h>
 #include <superray/maps/options.h>
 #include <superray/storage/map_file.h>
 
@@ -76,9 +77,10 @@ LoadedMap loadOctomap(const std::string& path) {
 }
 
 LoadedMap load(const std::string& path) {
-    const auto extension = std::filesystem::path(path).extension();
-    if (extension == ".ot" || extension == ".bt") return loadOctomap(path);
-    if (extension == ".srmap") return loadNative(path);
+    const std::string extension = std::filesystem::path(path).extension().string();
+    if (equalIgnoringCase(extension, ".ot") || equalIgnoringCase(extension, ".bt"))
+        return loadOctomap(path);
+    if (equalIgnoringCase(extension, ".srmap")) return loadNative(path);
     throw InputError(path + ": unknown kind of map; known are .srmap, .ot and .bt");
 }
 

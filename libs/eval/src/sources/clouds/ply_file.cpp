@@ -66,6 +66,8 @@ class PlyReader {
             else if (!element.hasList)
                 readBinary(element, isVertex ? cloud.points.get() : nullptr);
             found_ = found_ || isVertex;
+            // Lists have no fixed size: what follows them is not looked at.
+            if (element.hasList && element.count > 0 && format_ != "ascii") break;
         }
         if (!found_) fail("it has no element vertex");
         cloud.points->mark_as_modified();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <superray/eval/input_error.h>
-#include <superray/eval/octomap_file.h>
+#include <superray/maps/octomap_input.h>
 #include <superray/storage/block_grid.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -21,6 +21,7 @@ struct Header {
     CellValues values = CellValues::logOdds;
     std::uint64_t nodes = 0;
     double resolution = 0;
+    bool hasColours = false;
 };
 
 /// A leaf covers edge^3 cells from `lowest` on.
@@ -37,13 +38,13 @@ class Bytes {
         std::error_code error;
         std::ifstream file(path, std::ios::binary);
         if (!file || std::filesystem::is_directory(path, error))
-            throw InputError(path + ": cannot be opened for reading");
+            throw MapFileError(path + ": cannot be opened for reading");
         data_.assign(std::istreambuf_iterator<char>(file), {});
-        if (file.bad()) throw InputError(path + ": cannot be read");
+        if (file.bad()) throw MapFileError(path + ": cannot be read");
     }
 
     [[noreturn]] void fail(const std::string& why) const {
-        throw InputError(path_ + ": is not a whole OctoMap OcTree file: " + why);
+        throw MapFileError(path_ + ": is not a whole OctoMap OcTree file: " + why);
     }
 
     template <class T>
@@ -90,7 +91,9 @@ Header readHeader(Bytes& bytes) {
         if (key == "res") words >> header.resolution;
         if (!words) bytes.fail("its header line '" + line + "' cannot be understood");
     }
-    if (id != "OcTree") bytes.fail("its tree type is '" + id + "', not 'OcTree'");
+    header.hasColours = id == "ColorOcTree";
+    if (id != "OcTree" && !header.hasColours)
+        bytes.fail("its tree type is '" + id + "', not 'OcTree' or 'ColorOcTree'");
     if (!(std::isfinite(header.resolution) && header.resolution > 0))
         bytes.fail("its resolution must be a finite number > 0");
     return header;
@@ -99,12 +102,13 @@ Header readHeader(Bytes& bytes) {
 /// Walks the nodes of a file, depth first, children in order of their index.
 class LeafReader {
  public:
-    explicit LeafReader(Bytes& bytes) : bytes_(bytes) {}
+    LeafReader(Bytes& bytes, bool hasColours) : bytes_(bytes), hasColours_(hasColours) {}
 
-    /// .ot: float32 log-odds and a bit per child.
+    /// .ot: float32 log-odds, three bytes of colour in a ColorOcTree, a bit per child.
     void readNode(const Cell<3>& lowest, int depth) {
         ++nodes_;
         const auto value = bytes_.take<float>();
+        if (hasColours_) bytes_.take<std::array<std::uint8_t, 3>>();
         const auto children = bytes_.take<std::uint8_t>();
         if (children == 0) return addLeaf(lowest, depth, value);
         forEachChild(lowest, depth, [&](int child, const Cell<3>& childLowest) {
@@ -158,6 +162,7 @@ class LeafReader {
     }
 
     Bytes& bytes_;
+    bool hasColours_;
     std::uint64_t nodes_ = 0, cells_ = 0;
     std::vector<Leaf> leaves_;
 };
@@ -185,10 +190,18 @@ void fill(const Leaf& leaf, OccupancyMap<3>& map) {
 
 }  // namespace
 
-OctomapFile readOctomapFile(const std::string& path) {
+bool isOctomapFile(const std::string& path) {
+    constexpr char kMagic[] = "# Octomap OcTree";
+    std::ifstream file(path, std::ios::binary);
+    std::string start(sizeof kMagic - 1, '\0');
+    file.read(start.data(), static_cast<std::streamsize>(start.size()));
+    return file && start == kMagic;
+}
+
+OctomapFile loadOctomapFile(const std::string& path) {
     Bytes bytes(path);
     const Header header = readHeader(bytes);
-    LeafReader reader(bytes);
+    LeafReader reader(bytes, header.hasColours);
     if (header.nodes > 0) {
         const Cell<3> lowest{-kCellLimit, -kCellLimit, -kCellLimit};
         if (header.values == CellValues::occupancy)
@@ -203,6 +216,9 @@ OctomapFile readOctomapFile(const std::string& path) {
         bytes.fail("it goes on for " + std::to_string(bytes.left()) + " bytes after its tree");
     OctomapFile file;
     file.values = header.values;
+    // A .bt file of a ColorOcTree has none.
+    if (header.hasColours && header.values == CellValues::logOdds)
+        file.note = "the colours of the ColorOcTree are dropped";
     file.map = std::make_unique<BlockGrid<3>>(CellGeometry<3>(header.resolution));
     for (const Leaf& leaf : reader.leaves()) fill(leaf, *file.map);
     return file;
