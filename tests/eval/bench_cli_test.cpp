@@ -27,7 +27,7 @@ std::string runOk(const TempFolder& folder, const std::string& arguments) {
 void expectError(const TempFolder& folder, const std::string& arguments,
                  const std::string& part) {
     const auto r = run(folder, arguments);
-    EXPECT_EQ(r.code, 1) << arguments;
+    EXPECT_EQ(r.code, 2) << arguments;
     EXPECT_NE(r.error.find("superray-bench: error: "), std::string::npos) << r.error;
     EXPECT_NE(r.error.find(part), std::string::npos) << arguments << "\n" << r.error;
 }

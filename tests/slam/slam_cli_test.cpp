@@ -86,7 +86,7 @@ TEST_F(SlamProgram, ErrorsAreOneLineAndCodeOne) {
     };
     for (const auto& e : errors) {
         const auto result = run(e.arguments);
-        EXPECT_EQ(result.code, 1) << e.arguments;
+        EXPECT_EQ(result.code, 2) << e.arguments;
         EXPECT_NE(result.error.find(e.part), std::string::npos)
             << e.arguments << " -> " << result.error;
     }
@@ -98,7 +98,7 @@ TEST_F(SlamProgram, TheLiveViewNeedsADisplay) {
         test::runProgram(folder_, "env",
                          "-u DISPLAY '" SUPERRAY_SLAM_APP "' build " + path("room.rawlog") +
                              " -o " + path("r.tum") + " --view");
-    EXPECT_EQ(result.code, 1);
+    EXPECT_EQ(result.code, 2);
     EXPECT_NE(result.error.find("DISPLAY is not set"), std::string::npos) << result.error;
 }
 

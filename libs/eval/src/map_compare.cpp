@@ -4,6 +4,7 @@
 #include <superray/eval/progress_meter.h>
 #include <superray/maps/option_text.h>
 #include <superray/maps/options.h>
+#include <superray/storage/for_each_cell.h>
 #include <superray/storage/map_file.h>
 
 #include <cmath>
@@ -18,15 +19,6 @@ namespace {
 
 bool sameBits(float a, float b) {
     return std::memcmp(&a, &b, sizeof a) == 0;
-}
-
-/// Calls `visit(cell, value)` for every known cell.
-template <int Dim, class Visit>
-void forEachCell(const OccupancyMap<Dim>& map, const Visit& visit) {
-    map.forEachBlock([&](const BlockView<Dim>& block) {
-        for (int i = 0; i < kBlockCells<Dim>; ++i)
-            if (block.known.test(i)) visit(cellInBlock<Dim>(block.key, i), block.values[i]);
-    });
 }
 
 /// A map file of either kind, ready to be compared.

@@ -167,6 +167,7 @@ TEST(Formats, sequencesBehindSymbolicLinksFindTheirPoses) {
     fs::create_directory_symlink(sample("kitti/sequences/07"), folder / "drive");
     EXPECT_EQ(build(folder / "drive").digest, expected);
     EXPECT_EQ(build(folder / "drive/").digest, expected);
+    fs::create_directory(folder / "disk");
     fs::copy(sample("kitti/sequences/07"), folder / "disk/abc", fs::copy_options::recursive);
     fs::create_directories(folder / "mine/sequences");
     fs::create_directory_symlink(folder / "disk/abc", folder / "mine/sequences/07");

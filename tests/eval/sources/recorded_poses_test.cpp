@@ -331,7 +331,7 @@ TEST(RecordingCases, poseCasesAreMappedAsTheyShould) {
     for (int i = 0; i < kScans; ++i) {
         const auto scan = source->next();
         ASSERT_TRUE(scan);
-        EXPECT_EQ(scan->T_map_robot.x(), 0.5 * i);
+        EXPECT_NEAR(scan->T_map_robot.x(), 0.5 * i, 0.01);  // scans are 10 ms after poses
         EXPECT_EQ(scan->T_map_robot.y(), 0);
     }
     EXPECT_FALSE(source->next());

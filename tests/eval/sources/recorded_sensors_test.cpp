@@ -211,7 +211,7 @@ TEST(RaysOf3DSensorsIn2DMaps, clearWhatTheyCrossInsideTheBandWhereverTheyEnd) {
     inEveryWay([&](CSuperRayGridMap2D& map) {
         insertAll(map, {lidarScan(0, 1.0, car)});
         EXPECT_EQ(occupied(map, 4.05, 0.05), true);
-        for (int i = 1; i < 12; ++i) insertAll(map, {lidarScan(i, 1.0, gone)});
+        for (int i = 1; i < 40; ++i) insertAll(map, {lidarScan(i, 1.0, gone)});
         EXPECT_EQ(occupied(map, 4.05, 0.05), false);
         EXPECT_EQ(map.lastInsertion().outOfHeightBand, 10u);
         // The ray to the tree top leaves the band 2 m ahead.

@@ -4,6 +4,7 @@
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <superray/maps/gzip_output.h>
 #include <superray/storage/atomic_file.h>
+#include <superray/storage/for_each_cell.h>
 
 #include <algorithm>
 #include <charconv>

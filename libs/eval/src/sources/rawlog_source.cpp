@@ -168,7 +168,7 @@ class RawlogSource final : public ScanSource {
             ++index_.recorded.streams.emptyActions;
         } else if (!index_.recorded.streams.addAction(increment, place)) {
             throw InputError(path_ + ": the movement of action " +
-                             std::to_string(index_.recorded.streams.actions.entries.size()) +
+                             std::to_string(index_.recorded.streams.actions.entries.size() + 1) +
                              " is not finite: no pose after it is known");
         }
     }

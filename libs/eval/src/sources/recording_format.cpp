@@ -104,7 +104,9 @@ constexpr std::array<Hint, 19> kHints{{
 }};
 
 std::string adviceFor(const std::string& path, bool isFolder) {
-    if (isFolder) return "a folder without scans of a known kind";
+    if (isFolder)
+        return "a folder without scans of a known kind: it has no velodyne/*.bin (KITTI), "
+               "depth/*.png (RGB-D), *.pcd, *.ply or *.bin";
     for (const Hint& hint : kHints)
         if (endsWith(path, hint.extension) ||
             endsWith(path, hint.extension + std::string(".gz")))

@@ -4,9 +4,11 @@
 #include <mrpt/serialization/CArchive.h>
 #include <superray/maps/octomap_input.h>
 #include <superray/maps/super_ray_map_base.h>
+#include <superray/storage/for_each_cell.h>
 
 #include <algorithm>
 #include <iostream>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -43,6 +45,19 @@ Bytes readBytes(mrpt::serialization::CArchive& in) {
         left -= step;
     }
     return bytes;
+}
+
+/// Cells of an OctoMap file; .bt has only two values, which become the clamps.
+std::unique_ptr<OccupancyMap<3>> readOctomapCells(const std::string& path,
+                                                  const SensorModel& model) {
+    OctomapFile file = loadOctomapFile(path);
+    if (!file.note.empty()) std::cerr << "[superray] " << path << ": " << file.note << "\n";
+    if (file.values == CellValues::logOdds) return std::move(file.map);
+    auto cells = makeStorage<3>(StorageType::blockGrid, file.map->geometry());
+    forEachCell(*file.map, [&](const Cell<3>& cell, float value) {
+        cells->setLogOdds(cell, value > 0 ? model.max() : model.min());
+    });
+    return cells;
 }
 
 }  // namespace
@@ -88,34 +103,20 @@ void CSuperRayMapBase<Dim>::saveToFile(const std::string& path) const {
     saveMapFile(path, header, encodeCells(*storage_));
 }
 
-/// Cells of an OctoMap file; .bt has only two values, which become the clamps.
 template <int Dim>
-void CSuperRayMapBase<Dim>::loadFromOctomap(const std::string& path) {
-    if constexpr (Dim == 3) {
-        OctomapFile file = loadOctomapFile(path);
-        TMapOptions read = options();
-        read.creation.resolution = file.map->geometry().resolution();
-        if (file.values == CellValues::occupancy) {
-            const SensorModel model = sensorModel();
-            auto cells = makeStorage<3>(StorageType::blockGrid, file.map->geometry());
-            forEachCell(*file.map, [&](const Cell<3>& cell, float value) {
-                cells->setLogOdds(cell, value > 0 ? model.max() : model.min());
-            });
-            file.map = std::move(cells);
+void CSuperRayMapBase<Dim>::loadFromFile(const std::string& path) {
+    if (isOctomapFile(path)) {
+        if constexpr (Dim == 3) {
+            TMapOptions read = options();
+            const auto cells = readOctomapCells(path, sensorModel());
+            read.creation.resolution = cells->geometry().resolution();
+            return replaceAll(
+                SharedStorage<Dim>::decoded(type_, cells->geometry(), encodeCells(*cells)),
+                read);
         }
-        if (!file.note.empty()) std::cerr << "[superray] " << path << ": " << file.note << "\n";
-        replaceAll(
-            SharedStorage<3>::decoded(type_, file.map->geometry(), encodeCells(*file.map)),
-            read);
-    } else {
         throw MapFileError(path + ": OctoMap's files hold 3D maps; " + shortClassName() +
                            " can load 2D maps only");
     }
-}
-
-template <int Dim>
-void CSuperRayMapBase<Dim>::loadFromFile(const std::string& path) {
-    if (isOctomapFile(path)) return loadFromOctomap(path);
     const MapFile file = loadMapFile(path);
     if (file.header.dimension != Dim)
         throw MapFileError(path + ": holds a " + std::to_string(file.header.dimension) +
@@ -157,8 +158,6 @@ template void CSuperRayMapBase<2>::readFrom(mrpt::serialization::CArchive&, std:
 template void CSuperRayMapBase<3>::readFrom(mrpt::serialization::CArchive&, std::uint8_t);
 template void CSuperRayMapBase<2>::saveToFile(const std::string&) const;
 template void CSuperRayMapBase<3>::saveToFile(const std::string&) const;
-template void CSuperRayMapBase<2>::loadFromOctomap(const std::string&);
-template void CSuperRayMapBase<3>::loadFromOctomap(const std::string&);
 template void CSuperRayMapBase<2>::loadFromFile(const std::string&);
 template void CSuperRayMapBase<3>::loadFromFile(const std::string&);
 template void CSuperRayMapBase<2>::saveMetricMapRepresentationToFile(const std::string&) const;

@@ -193,7 +193,13 @@ RayBundle<Dim> toRays(const SensorReturns& returns, const mrpt::poses::CPose3D& 
     forEachRay(
         returns, geometry, options, report, [&](float) { return &T_map_sensor; },
         [&](const Eigen::Vector3d& from, const Eigen::Vector3d& p_map, RayEnd kind) {
-            const bool ownOrigin = from != T_map_sensor.t;
+            const Point<Dim> origin = from.template head<Dim>();
+            // A bundle takes rays of other origins after one of its common origin only.
+            if (rays.empty() && batch.empty() && origin != rays.commonOrigin()) {
+                report.skipped += rays.skipped();
+                rays.restart(origin);
+            }
+            const bool ownOrigin = origin != rays.commonOrigin();
             if (kind == RayEnd::hit && !ownOrigin) {
                 batch.push_back(p_map.template head<Dim>());
                 if (batch.size() == kBatch) handOver();
@@ -201,7 +207,7 @@ RayBundle<Dim> toRays(const SensorReturns& returns, const mrpt::poses::CPose3D& 
             }
             handOver();
             if (ownOrigin)
-                rays.add(from.template head<Dim>(), p_map.template head<Dim>(), kind);
+                rays.add(origin, p_map.template head<Dim>(), kind);
             else
                 rays.add(p_map.template head<Dim>(), kind);
         });

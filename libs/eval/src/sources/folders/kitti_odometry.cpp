@@ -95,9 +95,11 @@ std::vector<Trajectory::Time> readTimes(const fs::path& folder, std::size_t fram
     return times;
 }
 
-std::vector<mrpt::poses::CPose3D> readPoses(const fs::path& folder, const fs::path& path,
+/// \param path of the poses; empty: where the benchmark puts them
+std::vector<mrpt::poses::CPose3D> readPoses(const fs::path& folder, fs::path path,
                                             std::size_t frames) {
     const Isometry3d T_cam_velo = readCalibration(folder / "calib.txt");
+    if (path.empty()) path = findPoses(folder);
     std::vector<mrpt::poses::CPose3D> poses;
     forEachLine(path, [&](const std::string& line, const std::string& where) {
         const Isometry3d T_first_cam = fromRowMajor(numbersOrThrow(line, where), where);
@@ -126,7 +128,7 @@ std::unique_ptr<ScanSource> openKitti(const fs::path& folder, const ScanSourceOp
     recording.read = readScan;
     std::vector<mrpt::poses::CPose3D> own;
     if (options.poses == PoseOrigin::input) {
-        own = readPoses(folder, findPoses(folder), frameCount);
+        own = readPoses(folder, {}, frameCount);
         recording.ownPoses = PoseSummary("poses of the folder", own.size());
     } else if (options.poses == PoseOrigin::file && isKittiPoses(options.posesFile)) {
         // Of the left camera, as the benchmark's own.

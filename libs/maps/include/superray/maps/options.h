@@ -21,8 +21,8 @@ namespace superray {
 /// Section `<map>_creationOpts`.
 struct TCreationOptions : public mrpt::config::CLoadableOptions {
     double resolution = 0.10;  ///< cell edge [m], > 0
-    /// Map file to start from, native (.srmap) or of OctoMap (.bt, .ot; 3D maps); empty: an
-    /// empty map. Its resolution replaces `resolution`; its options are not used.
+    /// Native map file (.srmap) to start from; empty: an empty map. Its
+    /// resolution replaces `resolution`; its options are not used.
     std::string load_from;
     /// Folder of externally stored (lazy-load) observations, usually
     /// `<rawlog name>_Images`; empty: as the program says. MRPT has one such folder per

@@ -191,7 +191,6 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     bool internal_canComputeObservationLikelihood(
         const mrpt::obs::CObservation& observation) const override;
 
-    void loadFromOctomap(const std::string& path);
     SharedStorage<Dim> makeEmptyStorage(double resolution) const;
     /// Takes over what was read; does not throw half-way.
     void replaceAll(SharedStorage<Dim> storage, const TMapOptions& options);
