@@ -6,6 +6,7 @@
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/serialization/CArchive.h>
 #include <octomap/ColorOcTree.h>
+#include <octomap/OcTree.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_output.h>
 #include <superray/maps/CSuperRayGridMap2D.h>
