@@ -7,6 +7,7 @@
 
 namespace superray {
 
+Command declareAccuracy(CLI::App& app);
 Command declareCompare(CLI::App& app);
 Command declarePaper(CLI::App& app);
 Command declareRealtime(CLI::App& app);

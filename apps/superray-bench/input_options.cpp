@@ -12,6 +12,7 @@ const char* const kDataHelp =
     R"(DATA is a simulated world, for which no file is needed, or recorded scans:
   indoor    corridor with rooms, 66 scans of 89,446 points
   outdoor   campus, 81 scans of 247,817 points, ranges to 80 m
+  walker    hall with a walker and a box that is taken away, 60 scans of 131,072 points
   a file    .rawlog, .simplemap, .graph, or a KITTI odometry folder
 )";
 
@@ -36,7 +37,7 @@ void addEngineOptions(CLI::App& app, std::vector<std::string>& engines,
     app.add_option_function<std::string>(
            "--policy",
            [&policy](const std::string& name) { policy = updatePolicyFromString(name); },
-           std::string("netEvidence, everyRay or oncePerScan; default ") + toString(policy))
+           updatePolicyNames() + "; default " + toString(policy))
         ->type_name("POLICY");
 }
 

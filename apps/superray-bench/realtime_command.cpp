@@ -30,6 +30,8 @@ option reserve_megabytes of the maps), as those of a robot that must keep up
 would: page faults of a first scan can cost as much time as its update. MRPT's
 COccupancyGridMap3D, of fixed size, does so too; OctoMap cannot.
 
+What engines make of their probabilities is found by inserting rays, and printed.
+
 Examples:
   superray-bench realtime drive.rawlog --rate 10 --resolution 0.2
   superray-bench realtime room.rawlog --rate 30 --resolution 0.05 --engines grid \
@@ -40,10 +42,12 @@ struct Arguments {
     RealtimeRequest request;
     std::string json;
     bool keepAllPoints = false;
+    bool ownModel = false;
 };
 
 int realtime(Arguments& a) {
     if (a.keepAllPoints) a.request.training = TrainingPoints::all;
+    if (a.ownModel) a.request.peerModel = PeerModel::own;
     finishInputOptions(a.request.source);
     if (!a.json.empty()) checkOutputPath(a.json, {".json"});
     const auto runs = runRealtime(a.request, std::cerr, progressStyle());
@@ -66,6 +70,8 @@ Command declareRealtime(CLI::App& app) {
     addEngineOptions(app, a.request.engines, "octomap,grid,octree", a.request.threads,
                      a.request.policy);
     app.add_flag("--keep-all-points", a.keepAllPoints, "Make maps of the test points too");
+    app.add_flag("--own-model", a.ownModel,
+                 "Other engines with their own defaults, instead of 0.7 / 0.4");
     app.add_option("--reserve", a.request.reserveMegabytes,
                    "Memory that grid and octree take before the first scan; default 256")
         ->type_name("MB");

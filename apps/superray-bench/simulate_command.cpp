@@ -13,9 +13,10 @@ namespace superray {
 namespace {
 
 constexpr char kHelp[] =
-    R"(WORLD is indoor (a corridor with furnished rooms, 66 scans of 89,446 points) or
+    R"(WORLD is indoor (a corridor with furnished rooms, 66 scans of 89,446 points),
 outdoor (a campus with buildings, trees, poles and cars, 81 scans of 247,817
-points, ranges to 80 m). Worlds and the noise of their scans depend on the seed
+points, ranges to 80 m), or walker (a hall with somebody walking by and a box that
+is taken away, the sensor stands still, 60 scans of 131,072 points). Worlds and the noise of their scans depend on the seed
 alone. The recording holds robot poses (label POSE) and point clouds (label
 SIMULATED); beside it, a .tum file has the true poses as text.
 
@@ -57,7 +58,9 @@ Command declareSimulate(CLI::App& app) {
     auto arguments = std::make_shared<Arguments>();
     auto& a = *arguments;
     app.footer(kHelp);
-    app.add_option("WORLD", a.world, "indoor or outdoor")->required()->type_name("WORLD");
+    app.add_option("WORLD", a.world, "indoor, outdoor or walker")
+        ->required()
+        ->type_name("WORLD");
     app.add_option("-o,--output", a.output, "Recording to write (.rawlog)")
         ->required()
         ->type_name("FILE");

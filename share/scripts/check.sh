@@ -1,10 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Gates on the sources: check.sh [--quick]
-#   --quick  formatting, includes and the licence line only (what the commit hook runs);
+#   --quick  marks of merges, formatting, includes and the licence line only (what the commit hook runs);
 #            else also a project that uses superray::core and superray::storage alone
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+if git grep -nE '^(<<<<<<<|>>>>>>>) '; then
+    echo "error: these lines are left from a merge" >&2
+    exit 1
+fi
 format=$(command -v clang-format-14 || command -v clang-format)
 
 git ls-files -z 'libs/*.h' 'libs/*.cpp' 'apps/*.h' 'apps/*.cpp' 'tests/*.h' 'tests/*.cpp' \

@@ -9,11 +9,12 @@ out=$(cd "$out" && pwd)
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 bash share/scripts/install_deps.sh --packaging
-launcher=()
-command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+options=()
+! command -v ccache >/dev/null || options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+[[ ${CI:-} != true ]] || options+=(-DSUPERRAY_WERROR=ON) # as test.sh
 cmake --preset release -B build/package -DCMAKE_INSTALL_PREFIX=/usr \
     -DCMAKE_SKIP_INSTALL_RPATH=ON -DSUPERRAY_BUILD_TESTS=OFF -DSUPERRAY_BUILD_MAN=ON \
-    ${launcher[@]+"${launcher[@]}"}
+    ${options[@]+"${options[@]}"}
 cmake --build build/package --parallel "$(nproc)"
 rm -f build/package/*.deb
 (cd build/package && cpack)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Prints one line "NAME DIGEST" per map, made by the programs of a build:
+# Prints one line "NAME POLICY DIGEST" per map, made by the programs of a build:
 #
 #   release_digests.sh [--build DIR] [--data DIR]
 #
@@ -34,22 +34,42 @@ trap 'rm -rf "$work"' EXIT
 
 skip() { echo "SKIPPED: $1" >&2; }
 
-# line NAME MAP
+policies=(everyRay netEvidence)
+
+# line NAME POLICY MAP
 line() {
     local digest
-    digest=$("$superray_map" info "$2" --json | sed -n 's/.*"digest": "\([0-9a-f]*\)".*/\1/p')
+    digest=$("$superray_map" info "$3" --json | sed -n 's/.*"digest": "\([0-9a-f]*\)".*/\1/p')
     [[ ${#digest} -eq 32 ]] || { echo "error: no digest of $1" >&2; exit 1; }
-    echo "$1 $digest"
+    echo "$1 $2 $digest"
 }
 
 # map NAME RAWLOG OPTIONS...
 map() {
-    local name=$1 rawlog=$2
+    local name=$1 rawlog=$2 policy
     shift 2
     [[ -f $rawlog ]] || { skip "$name: no $rawlog"; return 0; }
-    "$superray_map" build "$rawlog" -o "$work/map.srmap" "$@" >"$work/log" 2>&1 ||
-        { cat "$work/log" >&2; exit 1; }
-    line "$name" "$work/map.srmap"
+    for policy in "${policies[@]}"; do
+        "$superray_map" build "$rawlog" -o "$work/map.srmap" --policy "$policy" "$@" \
+            >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
+        line "$name" "$policy" "$work/map.srmap"
+    done
+}
+
+# icp_slam RAWLOG: stock icp-slam with two maps of the plugin
+icp_slam() {
+    local policy class maps
+    for policy in "${policies[@]}"; do
+        sed "s/^\[.*_superRay.*_insertOpts\]\$/&\npolicy = $policy/" \
+            "$root/share/config_files/icp-slam-superray.ini" >"$work/icp-slam.ini"
+        (cd "$work" && LD_PRELOAD=$plugin icp-slam icp-slam.ini "$1" </dev/null >log 2>&1) ||
+            { tail -n 30 "$work/log" >&2; exit 1; }
+        for class in CSuperRayGridMap2D CSuperRayOctoMap; do
+            maps=("$work"/LOG_ICP-SLAM_SUPERRAY/*superray__"$class"_*.srmap)
+            line "icp_slam_$class" "$policy" "${maps[0]}"
+        done
+        rm -r "$work/LOG_ICP-SLAM_SUPERRAY"
+    done
 }
 
 map room_0.02 "$datasets/tests_rgbd.rawlog" --fixed-robot --resolution 0.02
@@ -62,13 +82,7 @@ if ! command -v icp-slam >/dev/null; then
 elif [[ ! -f $laser ]]; then
     skip "icp_slam: no $laser"
 else
-    (cd "$work" && LD_PRELOAD=$plugin icp-slam \
-        "$root/share/config_files/icp-slam-superray.ini" "$laser" </dev/null >log 2>&1) ||
-        { tail -n 30 "$work/log" >&2; exit 1; }
-    for class in CSuperRayGridMap2D CSuperRayOctoMap; do
-        maps=("$work"/LOG_ICP-SLAM_SUPERRAY/*superray__"$class"_*.srmap)
-        line "icp_slam_$class" "${maps[0]}"
-    done
+    icp_slam "$laser"
 fi
 
 map kitti_0.2 "$data/kitti_hdl64.rawlog" --resolution 0.2

@@ -4,26 +4,17 @@
 //
 // The environment variable SUPERRAY_LATTICE_SETS asks for more sets than a usual run has.
 
-#include <superray/core/reference_mapper.h>
-#include <superray/core/scan_integrator.h>
-
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
-#include <limits>
 
 #include "core/dims.h"
 #include "core/ray_generators.h"
+#include "core/test_map.h"
 
 namespace superray {
 namespace {
 
-using test::Random;
-
-constexpr Method kFastMethods[] = {Method::perRay, Method::superRays, Method::culling,
-                                   Method::full, Method::automatic};
+using namespace test;
 
 int setsToTry() {
     const char* asked = std::getenv("SUPERRAY_LATTICE_SETS");

@@ -284,7 +284,7 @@ TEST(MakeMap, saysWhatIsWrong) {
     request.section = "map";
     expectPart(errorOf(request), "needs a configuration file");
     request.configFile = folder / "absent.ini";
-    expectPart(errorOf(request), "cannot open");
+    expectPart(errorOf(request), "no such file");
     request = {};
     request.className = "COctoMap";
     expectPart(errorOf(request), "COctoMap");

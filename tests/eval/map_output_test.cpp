@@ -52,7 +52,7 @@ TEST(Info, tellsTheNumbersOfTheMap) {
     EXPECT_NE(json.find("\"resolution\": 0.1,"), std::string::npos);
     EXPECT_NE(json.find("\"known\": " + std::to_string(totals.known)), std::string::npos);
     EXPECT_NE(json.find("\"digest\": \"" + map.digest() + "\""), std::string::npos);
-    EXPECT_NE(json.find("\"probHit\": \"0.7\""), std::string::npos);
+    EXPECT_NE(json.find("\"probHit\": \"0.9\""), std::string::npos);
     const auto text = infoAsText(map, "a.srmap");
     EXPECT_NE(text.find(map.digest()), std::string::npos);
     EXPECT_NE(text.find("probHit"), std::string::npos);

@@ -2,6 +2,7 @@
 // Options of SLAM: strict reading, and the configuration files that we ship.
 
 #include <gtest/gtest.h>
+#include <superray/eval/input_error.h>
 #include <superray/slam/slam_options.h>
 
 #include <filesystem>
@@ -64,7 +65,7 @@ TEST(SlamOptions, MistakesAreNamed) {
         EXPECT_NE(errorOf(m.ini).find(m.part), std::string::npos)
             << m.ini << " -> " << errorOf(m.ini);
     TSlamOptions options;
-    EXPECT_THROW(options.loadFromFile("/nonexistent.ini"), std::invalid_argument);
+    EXPECT_THROW(options.loadFromFile("/nonexistent.ini"), InputError);
 }
 
 TEST(SlamOptions, ShippedFilesAreValid) {

@@ -6,56 +6,9 @@
 
 #include <superray/storage/block_grid.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <new>
 
-namespace {
-/// Allocations of at least a size fail once so many have succeeded.
-std::atomic<std::size_t> leastSize{0};
-std::atomic<int> allowedOnes{-1};  // -1: no limit
-std::atomic<int> asked{0}, refused{0};
-
-void refuseSome(std::size_t bytes) {
-    if (bytes >= leastSize) ++asked;
-    if (bytes >= leastSize && allowedOnes >= 0 && allowedOnes.fetch_sub(1) <= 0) {
-        allowedOnes = 0;
-        ++refused;
-        throw std::bad_alloc();
-    }
-}
-}  // namespace
-
-[[gnu::noinline]] void* operator new(std::size_t bytes) {
-    refuseSome(bytes);
-    if (void* const p = std::malloc(bytes)) return p;
-    throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept {
-    std::free(p);
-}
-[[gnu::noinline]] void* operator new(std::size_t bytes, std::align_val_t alignment) {
-    refuseSome(bytes);
-    const auto a = static_cast<std::size_t>(alignment);
-    if (void* const p = std::aligned_alloc(a, (bytes + a - 1) / a * a)) return p;
-    throw std::bad_alloc();
-}
-void operator delete(void* p, std::align_val_t) noexcept {
-    operator delete(p);
-}
-// Sanitizers have their own of these.
-void* operator new[](std::size_t bytes) {
-    return operator new(bytes);
-}
-void operator delete[](void* p) noexcept {
-    operator delete(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-    operator delete(p);
-}
-void operator delete[](void* p, std::size_t) noexcept {
-    operator delete(p);
-}
+#include "failing_allocations.h"
 
 namespace superray::test {
 namespace {
@@ -78,10 +31,10 @@ int allocationsOf(std::size_t least, const UpdateBatch<3>& first, const UpdateBa
                   unsigned threads) {
     Map map{CellGeometry<3>(0.1)};
     map.apply(first, SensorModel(), UpdatePolicy::everyRay);
-    leastSize = least;
-    asked = 0;
+    allocations.leastSize = least;
+    allocations.asked = 0;
     map.apply(second, SensorModel(), UpdatePolicy::everyRay, threads);
-    return asked;
+    return allocations.asked;
 }
 
 /// Lets more and more allocations of at least `least` bytes succeed while a batch is
@@ -92,7 +45,7 @@ void failMoreAndMoreLate(std::size_t least, unsigned threads, int mostAllowed, F
     const SensorModel model;
     std::mt19937 random(77);
     bool succeeded = false;
-    refused = 0;
+    allocations.refused = 0;
     for (int allowed = 0; !succeeded; ++allowed) {
         ASSERT_LT(allowed, mostAllowed);
         Map map{CellGeometry<3>(0.1)};
@@ -112,13 +65,13 @@ void failMoreAndMoreLate(std::size_t least, unsigned threads, int mostAllowed, F
         Cells<3> after = before;
         applyToOracle(after, second, model, UpdatePolicy::everyRay);
 
-        allowedOnes = allowed;
+        allocations.allowed = allowed;
         try {
             map.apply(second, model, UpdatePolicy::everyRay, threads);
             succeeded = true;
         } catch (const std::bad_alloc&) {
         }
-        allowedOnes = -1;
+        allocations.allowed = -1;
         const Cells<3> now = cellsOf<3>(map);
         isWhole(map, now, allowed);
         ASSERT_TRUE(saturationEquals<3>(map, now, model.min()));
@@ -138,7 +91,7 @@ void failMoreAndMoreLate(std::size_t least, unsigned threads, int mostAllowed, F
         applyToOracle(expected, first, model, UpdatePolicy::everyRay);
         ASSERT_TRUE(equalsOracle<3>(map, expected)) << allowed;
     }
-    EXPECT_GE(refused, result.failures);
+    EXPECT_GE(allocations.refused, result.failures);
     EXPECT_GT(result.blocksOld, 100);
     EXPECT_GT(result.blocksNew, 100);
 }

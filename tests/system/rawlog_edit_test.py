@@ -111,7 +111,8 @@ class RawlogEdit(ProgramTest):
         truth.write_text("".join(f"{t} 1.5 -0.5 0.7 1.5707963267948966 0 0\n"
                                  for t in (1462879440, 1462879450)))
         moved = self.map_of(edited)
-        self.assertEqual(moved, self.map_of(rawlog, "--poses", truth))
+        self.assertEqual(moved, self.map_of(rawlog, "--poses", truth,
+                                            "--max-pose-gap", "20"))
         self.assertNotEqual(moved, self.map_of(rawlog))
 
 

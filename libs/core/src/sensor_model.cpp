@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
@@ -86,8 +87,17 @@ double probabilityOf(float logOdds) {
 UpdatePolicy updatePolicyFromString(const std::string& name) {
     for (const UpdatePolicy policy : kUpdatePolicies)
         if (name == toString(policy)) return policy;
-    throw std::invalid_argument("policy = \"" + name +
-                                "\": must be everyRay, oncePerScan or netEvidence");
+    throw std::invalid_argument("policy = \"" + name + "\": must be " + updatePolicyNames());
+}
+
+std::string updatePolicyNames() {
+    std::string names;
+    for (const UpdatePolicy policy : kUpdatePolicies) {
+        if (policy != *std::begin(kUpdatePolicies))
+            names += policy == *std::rbegin(kUpdatePolicies) ? " or " : ", ";
+        names += toString(policy);
+    }
+    return names;
 }
 
 const char* toString(UpdatePolicy policy) {

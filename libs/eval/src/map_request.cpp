@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/config/CConfigFileMemory.h>
+#include <superray/eval/config_text.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_request.h>
 #include <superray/maps/map_factory.h>
@@ -22,12 +23,8 @@ SuperRayMapInterface& interfaceOf(mrpt::maps::CMetricMap& map) {
 
 /// Reads the file ourselves: MRPT takes one that is not there for an empty one.
 mrpt::config::CConfigFileMemory readConfig(const std::string& path) {
-    std::ifstream file(path);
-    std::error_code error;
-    if (!file || std::filesystem::is_directory(path, error))
-        throw InputError(path + ": cannot open the configuration file");
     mrpt::config::CConfigFileMemory config;
-    config.setContent(std::string(std::istreambuf_iterator<char>(file), {}));
+    config.setContent(readConfigText(path));
     return config;
 }
 

@@ -2,6 +2,7 @@
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 #include <mrpt/poses/Lie/SE.h>
 #include <superray/eval/input_error.h>
+#include <superray/maps/pose_track.h>
 #include <superray/slam/range_slam.h>
 
 #include <chrono>
@@ -16,10 +17,6 @@ using mrpt::poses::CPose3D;
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double seconds(mrpt::Clock::duration d) {
-    return std::chrono::duration<double>(d).count();
 }
 
 /// A motion at constant velocity over another time.
@@ -51,7 +48,7 @@ std::vector<CPose3D> RangeSlam::starts(const Scan& scan) const {
         case MotionPrior::odometry:
             return {T_map_robot_ + (scan.T_map_robot - T_odometry_robot_), T_map_robot_};
         case MotionPrior::constantVelocity: {
-            const double now = seconds(scan.timestamp - lastTime_);
+            const double now = secondsBetween(lastTime_, scan.timestamp);
             // Unknown, or equal, times: as if scans came at a fixed rate.
             const bool timed = motionSeconds_ > 0 && now > 0;
             // After a gap the old velocity says little.
@@ -115,7 +112,7 @@ std::optional<SlamStep> RangeSlam::process(const Scan& scan) {
 
     if (!first) {
         motion_ = T_map_robot - T_map_robot_;
-        motionSeconds_ = seconds(scan.timestamp - lastTime_);
+        motionSeconds_ = secondsBetween(lastTime_, scan.timestamp);
     }
     T_map_robot_ = T_map_robot;
     T_odometry_robot_ = scan.T_map_robot;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/config/CConfigFileMemory.h>
+#include <superray/eval/config_text.h>
 #include <superray/maps/option_text.h>
 #include <superray/slam/slam_options.h>
 
@@ -200,10 +201,8 @@ TSlamOptions::TSlamOptions() {
 }
 
 void TSlamOptions::loadFromFile(const std::string& path) {
-    std::ifstream file(path);
-    if (!file) throw std::invalid_argument(path + ": cannot open the configuration file");
     mrpt::config::CConfigFileMemory config;
-    config.setContent(std::string(std::istreambuf_iterator<char>(file), {}));
+    config.setContent(readConfigText(path));
     TSlamOptions updated = *this;
     bool any = false;
     try {

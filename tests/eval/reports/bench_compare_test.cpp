@@ -58,7 +58,7 @@ TEST(Compare, runsEveryEngineThreadCountAndResolution) {
         EXPECT_GT(*r.ratioToOctomap, 0);
         EXPECT_TRUE(r.engine != "octomap" || *r.ratioToOctomap == 1);
         EXPECT_EQ(r.policy, r.engine.rfind("mrpt-grid3d", 0) == 0 ? "rayByRay"
-                            : r.exact                             ? "everyRay"
+                            : r.exact                             ? "netEvidence"
                                                                   : "oncePerScan");
     }
     EXPECT_TRUE(digestConflicts(runs).empty());
@@ -175,7 +175,7 @@ TEST(Compare, noticesMapsThatDiffer) {
     ASSERT_EQ(runs.size(), 6u);
     const auto conflicts = digestConflicts(runs);
     ASSERT_EQ(conflicts.size(), 1u);
-    for (const char* part : {"small", "0.2", "everyRay", "forgetful", "octree", "grid-full"})
+    for (const char* part : {"small", "0.2", "netEvidence", "forgetful", "octree", "grid-full"})
         EXPECT_NE(conflicts[0].find(part), std::string::npos) << conflicts[0];
     EXPECT_EQ(conflicts[0].find("octomap"), std::string::npos) << conflicts[0];
 
@@ -194,13 +194,17 @@ TEST(Compare, unnecessaryTraversalsAreThoseOfSaturatedCells) {
     TempFolder folder;
     auto request = smallRequest(folder);
     request.unnecessary = true;
+    request.policy = UpdatePolicy::everyRay;
     request.resolutions = {0.5};
     request.threads = {1};
     request.engines = {"grid-perRay", "grid-culling", "octree-superRays"};
     // Coarse cells and few points: the counting itself, by hand.
     const PointScans scans = loadPointScans({request.data[0], {}, 1});
     std::uint64_t expected = 0;
-    const auto engine = benchEngine("grid-reference").make({0.5, 1, request.policy, 20, {}});
+    BenchEngineOptions options;
+    options.resolution = 0.5;
+    options.policy = request.policy;
+    const auto engine = benchEngine("grid-reference").make(options);
     const CellGeometry<3> geometry(0.5);
     for (const PointScan& scan : scans.scans) {
         for (const Eigen::Vector3f& p : scan.points)

@@ -5,6 +5,7 @@
 #include <superray/eval/input_error.h>
 #include <superray/eval/paper_figures.h>
 
+#include <cstdlib>
 #include <map>
 #include <sstream>
 

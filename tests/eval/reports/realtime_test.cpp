@@ -41,7 +41,7 @@ TEST(Split, partsPointsAndDrawsFreeOnes) {
     TempFolder folder;
     auto request = smallRequest(folder);
     const PointScans scans = smallScans(folder / "");
-    const TrainTestSplit split = splitScans(scans.scans, request);
+    const TrainTestSplit split = splitScans(scans.scans, request.split());
     ASSERT_EQ(split.training.size(), 3u);
     std::size_t training = 0, ends = 0, free = 0;
     for (const PointScan& scan : split.training) training += scan.points.size();
@@ -70,11 +70,11 @@ TEST(Split, partsPointsAndDrawsFreeOnes) {
     EXPECT_EQ(checked, free);
 
     request.training = TrainingPoints::all;
-    const TrainTestSplit all = splitScans(scans.scans, request);
+    const TrainTestSplit all = splitScans(scans.scans, request.split());
     EXPECT_EQ(all.tests.size(), split.tests.size());
     EXPECT_EQ(all.training[1].points.size(), 300u);
     request.testSeed = 2;
-    EXPECT_NE(splitScans(scans.scans, request).tests[0].point, split.tests[0].point);
+    EXPECT_NE(splitScans(scans.scans, request.split()).tests[0].point, split.tests[0].point);
 }
 
 TEST(Realtime, ReservesMemoryOfOurMaps) {
@@ -138,7 +138,7 @@ TEST(Realtime, slowScansUseAllAndQuickOnesFew) {
         EXPECT_EQ(run.updateMs.size(), 3u);
         EXPECT_GT(run.free.share(), 0.02) << run.engine;
     }
-    EXPECT_EQ(all[0].all().correct, all[1].all().correct);  // threads change nothing
+    EXPECT_EQ(all[0].all().right, all[1].all().right);  // threads change nothing
     request.rate = 1e9;
     for (const RealtimeRun& run : runRealtime(request, log, ProgressMeter::Style::log)) {
         EXPECT_EQ(run.scansUsed, 1u);

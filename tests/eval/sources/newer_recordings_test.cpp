@@ -26,6 +26,7 @@ std::pair<std::string, std::uint64_t> mapOf(const std::string& path) {
     ScanSources sources;
     sources.push_back(openScanSource(path));
     CSuperRayGridMap3D map(0.25);
+    map.insertionOptions.setPolicy(UpdatePolicy::everyRay);
     const auto report = buildMap(sources, map, std::numeric_limits<std::uint64_t>::max(),
                                  [](const BuildProgress&) {});
     EXPECT_EQ(report.unusable, 0u);

@@ -226,7 +226,7 @@ TEST(KittiSource, saysWhatIsWrong) {
     expectError(folder.write("seq/readme", "").substr(0, (folder / "seq").size()),
                 "has no velodyne/*.bin");
     folder.write("seq/velodyne/000000.bin", bytesOf({1, 2, 3, 0}));
-    expectError(folder / "seq", "calib.txt: cannot be opened");
+    expectError(folder / "seq", "calib.txt: no such file");
     folder.write("seq/calib.txt", "P0: 1 2 3\n");
     expectError(folder / "seq", "has no row 'Tr:'");
     folder.write("seq/calib.txt", "Tr: 1 0 0\n");

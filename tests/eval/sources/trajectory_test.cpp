@@ -39,7 +39,7 @@ TEST(Trajectory, readsTum) {
 TEST(Trajectory, readsMrptColumnsInAnyOrder) {
     TempFolder folder;
     const auto t =
-        Trajectory::load(folder.write("a.txt", "11 4 5 6 0.1 -0.2 0.3\n10 1 2 3 0 0 1.5"));
+        Trajectory::load(folder.write("a.txt", "11 4 5 6 0.1 -0.2 0.3\n10 1 2 3 0 0 1.5\n"));
     ASSERT_EQ(t.size(), 2u);
     expectPose(t.at(at(10)), CPose3D(1, 2, 3, 0, 0, 1.5), 0);
     expectPose(t.at(at(11)), CPose3D(4, 5, 6, 0.1, -0.2, 0.3), 0);

@@ -3,16 +3,18 @@
 
 #include <gtest/gtest.h>
 #include <superray/maps/compressed_input.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include <fstream>
 #include <random>
 
+#include "gzip_bytes.h"
 #include "maps/test_scans.h"
 
 namespace superray {
 namespace {
+
+using test::gzip;
 
 struct Outcome {
     std::string bytes, error;
@@ -59,20 +61,6 @@ std::string zstd(const std::string& plain, int checksum, std::size_t block = 500
     EXPECT_EQ(ZSTD_compressStream2(context, &out, &none, ZSTD_e_end), 0u);
     ZSTD_freeCCtx(context);
     result.resize(out.pos);
-    return result;
-}
-
-std::string gzip(const std::string& plain) {
-    z_stream stream{};
-    deflateInit2(&stream, 6, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
-    std::string result(deflateBound(&stream, static_cast<uLong>(plain.size())) + 100, 0);
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(plain.data()));
-    stream.avail_in = static_cast<uInt>(plain.size());
-    stream.next_out = reinterpret_cast<Bytef*>(result.data());
-    stream.avail_out = static_cast<uInt>(result.size());
-    EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-    result.resize(stream.total_out);
-    deflateEnd(&stream);
     return result;
 }
 

@@ -3,6 +3,8 @@
 // threads, about one and the same observation. Made to be run under TSan, too.
 
 #include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/opengl/COctoMapVoxels.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/serialization/CArchive.h>
 #include <superray/maps/CSuperRayGridMap2D.h>
@@ -225,6 +227,48 @@ TYPED_TEST(ConcurrentMapReads, Matching) {
                 wrong += objects.empty();
             }
         }
+    });
+    EXPECT_EQ(wrong, 0u);
+}
+
+TYPED_TEST(ConcurrentMapReads, Views) {
+    const StoredScans scans;
+    TypeParam filled(0.1);
+    for (const auto* scan : scans.inMemory())
+        ASSERT_TRUE(filled.insertObservation(*scan, test::someRobotPose()));
+    const TypeParam map = filled;  // nothing of it is drawn yet
+    const auto voxels = [](const TypeParam& m) {
+        mrpt_viz::CSetOfObjects objects;
+        m.getVisualizationInto(objects);
+        return objects.template getByClass<mrpt_viz::COctoMapVoxels>()->getVoxelCount(
+            mrpt_viz::VOXEL_SET_OCCUPIED);
+    };
+    const std::size_t expected = voxels(filled);
+    ASSERT_GT(expected, 0u);
+    std::atomic<unsigned> wrong{0};
+    inThreads([&](unsigned) { wrong += voxels(map) != expected || map.asString().empty(); });
+    EXPECT_EQ(wrong, 0u);
+}
+
+// Copies share cells; different maps may be written to at the same time.
+TYPED_TEST(ConcurrentMapReads, InsertionIntoCopies) {
+    const StoredScans scans;
+    const CPose3D pose = test::someRobotPose();
+    TypeParam map(0.2), expected(0.2);
+    for (TypeParam* m : {&map, &expected})
+        ASSERT_TRUE(m->insertObservation(*scans.inMemory()[0], pose));
+    expected.insertObservation(*scans.inMemory()[1], pose);
+    std::atomic<unsigned> wrong{0};
+    const auto view = [](const TypeParam& m) {
+        mrpt::io::CMemoryStream stream;
+        mrpt::serialization::archiveFrom(stream) << m;
+        return stream.getTotalBytesCount();
+    };
+    const auto size = view(expected);
+    inThreads([&](unsigned) {
+        TypeParam copy(map);
+        copy.insertObservation(*scans.inFiles()[1], pose);
+        wrong += view(copy) != size;
     });
     EXPECT_EQ(wrong, 0u);
 }

@@ -4,6 +4,8 @@
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <superray/maps/CSuperRayGridMap3D.h>
 
+#include <iostream>
+
 #include "maps/test_scans.h"
 
 namespace superray {

@@ -250,7 +250,7 @@ TEST(Matching, WhatHasGoneIsNotMatched) {
     // Now the sensor sees through to what lies behind.
     std::vector<Point<3>> behind;
     for (const auto& p : wall) behind.push_back(p + 0.8 * (p - Point<3>(0.1, 0.1, 5)));
-    for (int i = 0; i < 10; ++i) insert(map, Point<3>(0.1, 0.1, 5), behind);
+    for (int i = 0; i < 30; ++i) insert(map, Point<3>(0.1, 0.1, 5), behind);
     const auto left = match(map, points, CPose3D(), params);
     EXPECT_LT(left.pairs.size(), points.size() / 20);
     EXPECT_LT(left.extra.correspondencesRatio, 0.05f);

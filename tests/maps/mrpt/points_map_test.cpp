@@ -11,6 +11,9 @@
 
 #include <map>
 
+#include <cmath>
+#include <cstring>
+
 #include "maps/test_scans.h"
 
 namespace superray {
@@ -68,6 +71,10 @@ TYPED_TEST(PointsMaps, PointsFollowTheCellsAndTheCellsAreThoseOfTheGridMap) {
     TypeParam map(0.2);
     typename TypeParam::GridMap alone(0.2);
     EXPECT_TRUE(map.isEmpty());
+    auto paper = map.occupancy().options();  // a rule that frees many cells
+    paper.insertion.setPolicy(UpdatePolicy::everyRay);
+    map.setOptions(paper);
+    alone.setOptions(paper);
     std::size_t shrunk = 0;
     for (unsigned i = 0; i < 15; ++i) {
         const auto before = map.size();
@@ -201,6 +208,73 @@ TYPED_TEST(PointsMaps, CopiesAndStreamsKeepEverything) {
                                          bytes.begin() + static_cast<std::ptrdiff_t>(cut));
         mrpt::serialization::CSerializable::Ptr object;
         EXPECT_ANY_THROW(mrpt::serialization::OctetVectorToObject(broken, object));
+    }
+}
+
+template <class Points>
+std::shared_ptr<Points> readBack(const std::vector<std::uint8_t>& bytes) {
+    mrpt::serialization::CSerializable::Ptr object;
+    mrpt::serialization::OctetVectorToObject(bytes, object);
+    auto map = std::dynamic_pointer_cast<Points>(object);
+    if (!map) throw std::runtime_error("another class");
+    return map;
+}
+
+TYPED_TEST(PointsMaps, NoChangedBitOfAStreamIsAccepted) {
+    TypeParam map(0.5);
+    ASSERT_TRUE(map.insertObservation(*test::randomCloud(12, 1), CPose3D()));
+    ASSERT_GT(map.size(), 3u);
+    std::vector<std::uint8_t> bytes;
+    mrpt::serialization::ObjectToOctetVector(&map, bytes);
+    // MRPT looks up classes without their namespaces.
+    const std::string text(bytes.begin(), bytes.end()), name = "superray::";
+    std::vector<bool> inNamespace(bytes.size(), false);
+    for (auto at = text.find(name); at != std::string::npos; at = text.find(name, at + 1))
+        std::fill_n(inNamespace.begin() + static_cast<std::ptrdiff_t>(at), name.size(), true);
+    std::size_t refused = 0, same = 0;
+    for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+        auto changed = bytes;
+        changed[bit / 8] = static_cast<std::uint8_t>(changed[bit / 8] ^ (1u << bit % 8));
+        std::shared_ptr<TypeParam> read;
+        try {
+            read = readBack<TypeParam>(changed);
+        } catch (const std::exception&) {
+            ++refused;
+            continue;
+        }
+        ++same;
+        ASSERT_TRUE(inNamespace[bit / 8]) << bit;
+        ASSERT_EQ(read->occupancy().digest(), map.occupancy().digest()) << bit;
+        ASSERT_EQ(pointsByCell(*read), pointsByCell(map)) << bit;
+    }
+    const auto letters = std::count(inNamespace.begin(), inNamespace.end(), true);
+    EXPECT_GE(refused + 8 * static_cast<std::size_t>(letters), 8 * bytes.size())
+        << same << " accepted with the same contents";
+    for (std::size_t size = 0; size + 1 < bytes.size(); ++size) {
+        const std::vector<std::uint8_t> cut(bytes.begin(),
+                                            bytes.begin() + static_cast<std::ptrdiff_t>(size));
+        EXPECT_ANY_THROW(readBack<TypeParam>(cut)) << size;
+    }
+}
+
+// Version 0 has no checksum behind the points.
+TYPED_TEST(PointsMaps, StreamsOfVersion0AreReadAndTheirPointsChecked) {
+    TypeParam map(0.5);
+    insert(map, 0, 2);
+    std::vector<std::uint8_t> bytes;
+    mrpt::serialization::ObjectToOctetVector(&map, bytes);
+    const std::size_t version = 1 + (bytes[0] & 0x7Fu);
+    ASSERT_EQ(bytes[version], 1);
+    bytes[version] = 0;
+    constexpr std::ptrdiff_t kChecksum = 4, kEndMark = 1;
+    bytes.erase(bytes.end() - kChecksum - kEndMark, bytes.end() - kEndMark);
+    expectEqualMaps(*readBack<TypeParam>(bytes), map);
+
+    // The last coordinate of the last point: far away, and not a number.
+    for (const float wrong : {1e4f, -1e30f, std::nanf("")}) {
+        auto changed = bytes;
+        std::memcpy(&changed[bytes.size() - kEndMark - sizeof wrong], &wrong, sizeof wrong);
+        EXPECT_ANY_THROW(readBack<TypeParam>(changed)) << wrong;
     }
 }
 

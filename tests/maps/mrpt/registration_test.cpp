@@ -7,6 +7,9 @@
 #include <superray/maps/CSuperRayGridMap3D.h>
 #include <superray/maps/CSuperRayOctoMap.h>
 
+#include <set>
+#include <sstream>
+
 #include "maps/test_scans.h"
 
 namespace superray {
@@ -199,7 +202,7 @@ TEST(ConfigFiles, TheAdvancedOneNamesEveryOptionWithItsDefault) {
             EXPECT_TRUE(file.keyExists(section, key)) << section << " " << key;
         }
     }
-    EXPECT_EQ(options, 37u);
+    EXPECT_EQ(options, 39u);
 }
 
 }  // namespace

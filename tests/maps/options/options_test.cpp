@@ -2,6 +2,8 @@
 #include <mrpt/config/CConfigFileMemory.h>
 #include <superray/maps/options.h>
 
+#include <sstream>
+
 #include "maps/test_scans.h"
 
 namespace superray {

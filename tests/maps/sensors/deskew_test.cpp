@@ -6,7 +6,9 @@
 #include <superray/maps/observation_rays.h>
 
 #include <Eigen/Geometry>
+#include <chrono>
 #include <cstring>
+#include <iostream>
 
 #include "maps/test_scans.h"
 #if __has_include(<mrpt/maps/CPointsMapXYZIRT.h>)
@@ -172,7 +174,7 @@ TEST(Deskew, Vlp16EndPointsAreWithinAMillimetreOfAnIndependentComputation) {
     // The map is made of these rays.
     CSuperRayGridMap3D direct(0.1), still(0.1);
     direct.insertRays(rays);
-    ASSERT_TRUE(map.insertObservationAlong(*scan, trajectory));
+    ASSERT_TRUE(map.insertObservationAlong(*scan, poseAt));
     EXPECT_EQ(map.digest(), direct.digest());
     EXPECT_EQ(map.lastInsertion().rays, expected.size());
     ASSERT_TRUE(still.insertObservation(*scan, motion.pose(0)));

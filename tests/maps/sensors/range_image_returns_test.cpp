@@ -4,6 +4,8 @@
 
 #include <superray/maps/observation_rays.h>
 
+#include <iostream>
+
 #include "maps/test_scans.h"
 
 namespace superray {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <cstring>
+#include <iostream>
 
 #include "maps/test_scans.h"
 

@@ -12,6 +12,9 @@
 #include <superray/maps/mrpt_compat.h>
 
 #include <fstream>
+#include <map>
+#include <set>
+#include <tuple>
 
 #include "maps/test_scans.h"
 
@@ -24,6 +27,7 @@ using mrpt::opengl::VOXEL_SET_OCCUPIED;
 
 template <class Map>
 void fill(Map& map) {
+    map.insertionOptions.setPolicy(UpdatePolicy::everyRay);  // frees more than it occupies
     for (unsigned i = 0; i < 2; ++i)
         ASSERT_TRUE(map.insertObservation(*test::randomCloud(500, i), test::someRobotPose()));
 }

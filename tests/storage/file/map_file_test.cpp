@@ -175,5 +175,50 @@ TEST_F(MapFileOnDisk, SectionRules) {
     EXPECT_THROW(parseMapFile(version2.data(), version2.size(), "x"), MapFileError);
 }
 
+TEST_F(MapFileOnDisk, EmptyOptionsAndCellsAreReadBack) {
+    MapFileHeader bare = header;
+    bare.options.clear();
+    saveMapFile(path, bare, cells);
+    EXPECT_EQ(loadMapFile(path).header.options, "");
+    EXPECT_EQ(loadMapFile(path).cells, cells);
+    saveMapFile(path, bare, {});
+    EXPECT_TRUE(loadMapFile(path).cells.empty());
+}
+
+TEST_F(MapFileOnDisk, SizesAreComparedBeforeTheFileIsRead) {
+    const auto errorOf = [&](const MapFileLimits& limits) -> std::string {
+        try {
+            loadMapFile(path, limits);
+        } catch (const MapFileError& e) {
+            return e.what();
+        }
+        return "no error";
+    };
+    saveMapFile(path, header, cells);
+    const auto size = std::filesystem::file_size(path);
+    EXPECT_EQ(errorOf({size, 0}), "no error");
+    EXPECT_NE(errorOf({size - 1, 0}).find("the limit is"), std::string::npos);
+    // A hole of a terabyte behind a good beginning: there is no memory for it.
+    std::filesystem::resize_file(path, std::uintmax_t{1} << 40);
+    EXPECT_NE(errorOf(MapFileLimits::ofThisMachine()).find("not the declared"),
+              std::string::npos);
+    std::ofstream(path) << "text";
+    std::filesystem::resize_file(path, std::uintmax_t{1} << 40);
+    EXPECT_NE(errorOf(MapFileLimits::ofThisMachine()).find("not a superray map file"),
+              std::string::npos);
+}
+
+TEST_F(MapFileOnDisk, MemoryIsLimitedBeforeCellsAreMade) {
+    Octree target(CellGeometry<3>(0.05));
+    EXPECT_THROW(decodeCells<3>(cells.data(), cells.size(), target, {0, 1000}), MapFileError);
+    EXPECT_TRUE(target.empty());
+    decodeCells<3>(cells.data(), cells.size(), target, {0, 64 << 20});
+    EXPECT_FALSE(target.empty());
+    ASSERT_EQ(::setenv("SUPERRAY_MAP_MEGABYTES", "3", 1), 0);
+    EXPECT_EQ(MapFileLimits::ofThisMachine().mapBytes, 3u << 20);
+    ASSERT_EQ(::unsetenv("SUPERRAY_MAP_MEGABYTES"), 0);
+    EXPECT_GT(MapFileLimits::ofThisMachine().mapBytes, 64u << 20);
+}
+
 }  // namespace
 }  // namespace superray::test

@@ -2,6 +2,8 @@
 // Files of every format version there was are read for ever: one per dimension
 // is kept, and must give the cells written here.
 
+#include <cstdlib>
+
 #include "storage/file/map_file_tools.h"
 
 namespace superray::test {

@@ -43,6 +43,16 @@ BenchWork& BenchWork::operator+=(const BenchWork& o) {
     return *this;
 }
 
+const char* toString(PeerModel model) {
+    return model == PeerModel::shared ? "shared" : "own";
+}
+
+PeerModel peerModelFromString(const std::string& name) {
+    for (const PeerModel model : {PeerModel::shared, PeerModel::own})
+        if (name == toString(model)) return model;
+    throw std::invalid_argument("unknown model of peers '" + name + "': must be shared or own");
+}
+
 const std::vector<BenchEngineInfo>& benchEngines() {
     return registry();
 }

@@ -19,9 +19,10 @@ void listMrptVoxelMapEngine(BenchEngineList& list);
 void listSuperrayEngines(BenchEngineList& list);
 void listCopiesEngines(BenchEngineList& list);
 
-/// The peers' parameters: those of SensorProbabilities.
+/// The parameters of peers that take OctoMap's.
 template <class Map>
-void setSensorModel(Map& map) {
+void setSensorModel(Map& map, PeerModel model) {
+    if (model == PeerModel::own) return;
     const SensorProbabilities p;
     map.setProbHit(p.probHit);
     map.setProbMiss(p.probMiss);

@@ -26,10 +26,11 @@ class MrptGrid3dEngine final : public BenchEngine {
                              std::to_string(kMostCells));
         map_.setSize({low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()},
                      options.resolution);
+        map_.insertionOptions.maxDistanceInsertion = std::numeric_limits<float>::max();
+        if (options.peerModel == PeerModel::own) return;
         const SensorProbabilities p;
         map_.insertionOptions.maxOccupancyUpdateCertainty = static_cast<float>(p.probHit);
         map_.insertionOptions.maxFreenessUpdateCertainty = static_cast<float>(1 - p.probMiss);
-        map_.insertionOptions.maxDistanceInsertion = std::numeric_limits<float>::max();
     }
 
     void prepare(const PointScan& scan) override {

@@ -15,7 +15,7 @@ namespace {
 class MrptOctomapEngine final : public BenchEngine {
  public:
     explicit MrptOctomapEngine(const BenchEngineOptions& options) : map_(options.resolution) {
-        setSensorModel(map_.insertionOptions);
+        setSensorModel(map_.insertionOptions, options.peerModel);
     }
 
     void prepare(const PointScan& scan) override {

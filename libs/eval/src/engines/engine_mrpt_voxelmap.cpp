@@ -21,6 +21,7 @@ namespace {
 class MrptVoxelMapEngine final : public BenchEngine {
  public:
     explicit MrptVoxelMapEngine(const BenchEngineOptions& options) : map_(options.resolution) {
+        if (options.peerModel == PeerModel::own) return;
         const SensorProbabilities p;
         map_.insertionOptions.prob_hit = p.probHit;
         // It takes the probability of being free; below 0.5 a miss is the smallest step.

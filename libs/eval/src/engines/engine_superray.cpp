@@ -17,6 +17,7 @@ class SuperrayEngine final : public BenchEngine {
         : map_(options.resolution), geometry_(options.resolution) {
         map_.insertionOptions.method = method;
         map_.insertionOptions.setPolicy(options.policy);
+        if (options.scanMissMin) map_.insertionOptions.scanMissMin = *options.scanMissMin;
         map_.insertionOptions.threads = options.threads;
         map_.insertionOptions.superRayThreshold = options.superRayThreshold;
         TMapOptions reserving = map_.options();

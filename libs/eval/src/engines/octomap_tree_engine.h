@@ -16,7 +16,7 @@ BlockGrid<3> cellsOf(const octomap::OcTree& tree);
 class OctomapTreeEngine : public BenchEngine {
  public:
     explicit OctomapTreeEngine(const BenchEngineOptions& options) : tree_(options.resolution) {
-        setSensorModel(tree_);
+        setSensorModel(tree_, options.peerModel);
     }
 
     void prepare(const PointScan& scan) override {

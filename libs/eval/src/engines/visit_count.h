@@ -10,14 +10,15 @@ namespace superray {
 
 struct VisitCount {
     std::uint64_t all = 0;  ///< cells before the end cell, over all rays
-    /// Of those, the ones that are not saturated free: a miss changes them.
+    /// Of those, the ones that a miss may change: not saturated free or, under netEvidence,
+    /// hit by the scan.
     std::uint64_t changeable = 0;
     /// The same with every super ray walked once.
     std::uint64_t changeableOfSuperRays = 0;
 };
 
-/// \param map before the scan
-VisitCount countVisits(const PointScan& scan, double resolution,
+/// \param map before the scan, with the default probabilities of the policy
+VisitCount countVisits(const PointScan& scan, double resolution, UpdatePolicy policy,
                        std::uint32_t superRayThreshold, const SaturationSource<3>& map);
 
 }  // namespace superray

@@ -10,6 +10,7 @@
 #include <ostream>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "engines/cpu_stopwatch.h"
 #include "engines/peak_memory.h"
@@ -35,8 +36,11 @@ std::vector<Contestant> makeContestants(const PointScans& scans, double resoluti
         for (const unsigned threads : info.threaded ? request.threads : one) {
             Contestant c;
             c.info = &info;
-            c.options = {resolution, threads, request.policy, request.superRayThreshold,
-                         scans.bounds};
+            c.options.resolution = resolution;
+            c.options.threads = threads;
+            c.options.policy = request.policy;
+            c.options.superRayThreshold = request.superRayThreshold;
+            c.options.bounds = scans.bounds;
             c.run.data = scans.name;
             c.run.resolution = resolution;
             c.run.engine = name;
@@ -173,7 +177,7 @@ std::vector<BenchRun> compareEngines(const PointScans& scans, double resolution,
         const PointScan& scan = scans.scans[i];
         std::optional<VisitCount> needed;
         if (request.unnecessary && exact != all.end())
-            needed = countVisits(scan, resolution, request.superRayThreshold,
+            needed = countVisits(scan, resolution, request.policy, request.superRayThreshold,
                                  *exact->engine->saturation());
         for (std::size_t turn = 0; turn < all.size(); ++turn) {
             Contestant& c = all[i % 2 == 0 ? turn : all.size() - 1 - turn];

@@ -19,8 +19,11 @@ std::string percent(double share) {
     return formatFixed(100 * share, 1) + " %";
 }
 
-nlohmann::ordered_json asJson(const MapAccuracy& a) {
-    return {{"tested", a.tested}, {"correct", a.correct}, {"unknown", a.unknown}};
+nlohmann::ordered_json asJson(const ClassScore& a) {
+    return {{"tested", a.tested},
+            {"correct", a.right},
+            {"correct_at_half", a.rightAtHalf},
+            {"unknown", a.unknown}};
 }
 
 }  // namespace
@@ -44,7 +47,14 @@ std::string realtimeAsText(const RealtimeRequest& request,
                    percent(run.occupied.share()), percent(run.free.share())});
     out << table.text()
         << "\nused, lost: scans. accuracy: share of test points with p > 0.7 (occupied) or\n"
-           "p < 0.3 (free); unknown ones count as wrong.\n";
+           "p < 0.3 (free); unknown ones count as wrong.\n"
+           "What rays really do to a cell:\n";
+    std::string told;
+    for (const RealtimeRun& run : runs)
+        if (run.engine != told) {
+            out << "  " << run.engine << ": " << run.weights << "\n";
+            told = run.engine;
+        }
     return out.str();
 }
 
@@ -59,6 +69,7 @@ std::string realtimeAsJson(const RealtimeRequest& request,
                         {"policy", toString(request.policy)},
                         {"reserve_megabytes", request.reserveMegabytes},
                         {"engine", run.engine},
+                        {"weights", run.weights},
                         {"threads", run.threads},
                         {"scans_used", run.scansUsed},
                         {"scans_lost", run.scansLost},

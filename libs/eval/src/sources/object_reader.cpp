@@ -37,16 +37,34 @@ std::string readFailure(CompressedInput& file, const std::exception& error) {
     return atEnd ? "the file ends inside an object" : oneLineCause(error);
 }
 
-ObjectReader::ObjectReader(const std::string& path) : path_(path), file_(openInput(path)) {}
+ObjectReader::ObjectReader(const std::string& path, FileState state)
+    : path_(path), file_(openInput(path)) {
+    if (state == FileState::whole) return;
+    guard_ = std::make_unique<ReadGuard>(path, [&path]() -> ReadGuard::Step {
+        auto ahead = std::make_shared<ObjectReader>(path, FileState::whole);
+        return [ahead] {
+            const bool more = ahead->readOn();
+            ahead->objects_ += ahead->pending_.size();
+            ahead->pending_.clear();
+            return more;
+        };
+    });
+}
+
+/// Reads what comes next in the file, if anything does.
+bool ObjectReader::readOn() {
+    if (guard_ && !guard_->next()) return false;
+    if (file_->atEnd()) {
+        if (!file_->error().empty()) fail(file_->error());
+        return false;
+    }
+    expand(read());
+    return true;
+}
 
 CSerializable::Ptr ObjectReader::next() {
-    while (pending_.empty()) {
-        if (file_->atEnd()) {
-            if (!file_->error().empty()) fail(file_->error());
-            return nullptr;
-        }
-        expand(read());
-    }
+    while (pending_.empty())
+        if (!readOn()) return nullptr;
     auto object = pending_.front();
     pending_.pop_front();
     ++objects_;

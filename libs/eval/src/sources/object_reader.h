@@ -12,6 +12,8 @@
 #include <memory>
 #include <string>
 
+#include "sources/read_guard.h"
+
 namespace superray {
 
 /// The file ends too early, or an object is of a class that this MRPT does not know: what
@@ -28,10 +30,16 @@ std::unique_ptr<CompressedInput> openInput(const std::string& path);
 /// Says so if a newer MRPT wrote it.
 std::string readFailure(CompressedInput& file, const std::exception& error);
 
+/// Whether a file was read before.
+enum class FileState : std::uint8_t {
+    unknown,  ///< anything may be in it: see ReadGuard
+    whole     ///< another reader has read as many objects
+};
+
 class ObjectReader {
  public:
     /// \throws InputError
-    explicit ObjectReader(const std::string& path);
+    explicit ObjectReader(const std::string& path, FileState state = FileState::unknown);
 
     /// nullptr at the end.
     /// \throws TruncatedInputError, InputError: file, cause, whole objects before, position
@@ -41,12 +49,14 @@ class ObjectReader {
     std::uint64_t objects() const { return objects_; }
 
  private:
+    bool readOn();
     mrpt::serialization::CSerializable::Ptr read();
     [[noreturn]] void fail(const std::string& why) const;
     void expand(const mrpt::serialization::CSerializable::Ptr& object);
 
     std::string path_;
     std::unique_ptr<CompressedInput> file_;
+    std::unique_ptr<ReadGuard> guard_;  ///< of files of unknown state
     std::deque<mrpt::serialization::CSerializable::Ptr> pending_;
     std::uint64_t objects_ = 0;
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/input_error.h>
 #include <superray/eval/point_scan.h>
-#include <superray/eval/simulated_world.h>
 #include <superray/maps/observation_rays.h>
 
 #include <algorithm>
@@ -52,7 +51,7 @@ PointScans loadPointScans(const PointScanRequest& request, const LoadProgress& p
         const SimulatedWorld world(request.data, request.worldSeed);
         const auto total = std::min<std::uint64_t>(world.scanCount(), request.source.maxScans);
         for (std::uint64_t i = 0; i < total; ++i) {
-            const SimulatedScan scan = world.scan(i);
+            const SimulatedScan scan = world.scan(i, request.noise);
             add(all, inMapFrame(scan.T_map_robot + scan.T_robot_sensor, scan.points));
             tell(i + 1, total);
         }

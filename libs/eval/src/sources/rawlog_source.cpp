@@ -102,7 +102,7 @@ class RawlogSource final : public ScanSource {
         skipped_ = {};  // counted again as scans are delivered
         skipped_.badPoses = poses_->notFinite();
         index_.recorded = {};
-        reader_ = std::make_unique<ObjectReader>(path_);
+        reader_ = std::make_unique<ObjectReader>(path_, FileState::whole);
     }
 
     std::uint64_t total() const override { return total_; }
@@ -123,7 +123,7 @@ class RawlogSource final : public ScanSource {
 
  private:
     void readIndex() {
-        ObjectReader reader(path_);
+        ObjectReader reader(path_, FileState::unknown);
         Counter counter;
         try {
             while (auto object = reader.next()) {
@@ -167,9 +167,10 @@ class RawlogSource final : public ScanSource {
         if (!actions->getFirstMovementEstimationMean(increment)) {
             ++index_.recorded.streams.emptyActions;
         } else if (!index_.recorded.streams.addAction(increment, place)) {
-            throw InputError(path_ + ": the movement of action " +
-                             std::to_string(index_.recorded.streams.actions.entries.size() + 1) +
-                             " is not finite: no pose after it is known");
+            throw InputError(
+                path_ + ": the movement of action " +
+                std::to_string(index_.recorded.streams.actions.entries.size() + 1) +
+                " is not finite: no pose after it is known");
         }
     }
 

@@ -135,6 +135,7 @@ const Format& formatOf(const std::string& path) {
     std::error_code error;
     if (!fs::exists(path, error)) throw InputError(path + ": no such file or folder");
     const bool isFolder = fs::is_directory(path, error);
+    if (!isFolder) requireRegularFile(path);
     for (const Format& format : kFormats)
         if (format.matches(path, isFolder)) return format;
     throw InputError(path + ": unknown input; it looks like " + adviceFor(path, isFolder) +

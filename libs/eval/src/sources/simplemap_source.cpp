@@ -36,11 +36,23 @@ mrpt::maps::CSimpleMap readSimpleMap(const std::string& path) {
     return map;
 }
 
+/// The same after a child process could do it.
+mrpt::maps::CSimpleMap readGuarded(const std::string& path) {
+    ReadGuard guard(path, [&path]() -> ReadGuard::Step {
+        return [&path] {
+            readSimpleMap(path);
+            return false;
+        };
+    });
+    guard.next();
+    return readSimpleMap(path);
+}
+
 class SimpleMapSource final : public ScanSource {
  public:
     SimpleMapSource(const std::string& path, const ScanSourceOptions& options)
         : poses_(options) {
-        const auto map = readSimpleMap(path);
+        const auto map = readGuarded(path);
         std::vector<Trajectory::Time> times;
         for (std::size_t i = 0; i < map.size() && scans_.size() < options.maxScans; ++i) {
             const auto [posePdf, frame] = keyFrameParts(map, i);

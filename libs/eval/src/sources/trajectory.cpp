@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <utility>
 
 #include "sources/text_numbers.h"
+#include "text/text_input.h"
 
 namespace superray {
 namespace {
@@ -63,8 +63,7 @@ CPose3D poseFromRow(const std::vector<double>& v) {
 }  // namespace
 
 Trajectory Trajectory::load(const std::string& path) {
-    std::ifstream file(path);
-    if (!file) throw InputError(path + ": cannot open the poses file");
+    std::istringstream file = openTextInput(path, LastLine::mustEnd);
     Trajectory result;
     std::string line, firstBad;
     std::size_t columns = 0;
@@ -108,7 +107,6 @@ Trajectory Trajectory::load(const std::string& path) {
             fail(e.what());
         }
     }
-    if (file.bad()) throw InputError(path + ": cannot read the poses file");
     if (result.empty() && !firstBad.empty()) throw InputError(firstBad);
     if (result.empty()) throw InputError(path + ": holds no pose");
     return result;

@@ -1,7 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/input_error.h>
 
+#include <filesystem>
+#include <system_error>
+
 namespace superray {
+
+void requireRegularFile(const std::string& path) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (!std::filesystem::exists(status)) throw InputError(path + ": no such file");
+    if (!std::filesystem::is_regular_file(status))
+        throw InputError(path + ": is not a regular file");
+}
 
 std::string oneLineCause(const std::exception& error) {
     std::string text = error.what();

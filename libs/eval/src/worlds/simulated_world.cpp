@@ -63,6 +63,7 @@ struct PlaceOnPath {
 PlaceOnPath along(const std::vector<Eigen::Vector2d>& path, double t) {
     double length = 0;
     for (std::size_t i = 0; i + 1 < path.size(); ++i) length += (path[i + 1] - path[i]).norm();
+    if (length == 0) return {path.front(), {1, 0}};  // stands still
     double left = t * length;
     for (std::size_t i = 0;; ++i) {
         const Eigen::Vector2d step = path[i + 1] - path[i];
@@ -76,7 +77,20 @@ PlaceOnPath along(const std::vector<Eigen::Vector2d>& path, double t) {
 WorldPlan planOf(const std::string& name, std::uint64_t seed) {
     if (name == "indoor") return planIndoor(seed);
     if (name == "outdoor") return planOutdoor(seed);
-    throw InputError("unknown world '" + name + "': must be indoor or outdoor");
+    if (name == "walker") return planWalker(seed);
+    throw InputError("unknown world '" + name + "': must be indoor, outdoor or walker");
+}
+
+std::vector<SolidScene> scenesOf(const WorldPlan& plan) {
+    if (!plan.moving) return {plan.scene};
+    std::vector<SolidScene> scenes;
+    for (std::size_t i = 0; i < plan.scans; ++i) {
+        SolidScene scene = plan.scene;
+        scene.cylinders.push_back(plan.moving->walkerAt(i));
+        if (i < plan.moving->removalScan) scene.boxes.push_back(plan.moving->removed);
+        scenes.push_back(std::move(scene));
+    }
+    return scenes;
 }
 
 }  // namespace
@@ -86,15 +100,21 @@ struct SimulatedWorld::Impl {
     std::uint64_t seed;
     WorldPlan plan;
     std::vector<Eigen::Vector2d> beams;  // (horizontal, vertical) part of unit vectors
+    std::vector<SolidScene> scenes;      // of each scan if things move, else one
+
+    const SolidScene& sceneAt(std::size_t scan) const {
+        return scenes[std::min(scan, scenes.size() - 1)];
+    }
 
     /// Returns of one turn [m, sensor frame], as the sensor delivers them.
     std::vector<Eigen::Vector3f> turn(const CPose3D& T_map_sensor,
                                       const Eigen::Vector2d& heading, int columns,
+                                      const SolidScene& scene, RangeNoise noise,
                                       SeededRandom random) const;
 };
 
 const std::vector<std::string>& SimulatedWorld::names() {
-    static const std::vector<std::string> all = {"indoor", "outdoor"};
+    static const std::vector<std::string> all = {"indoor", "outdoor", "walker"};
     return all;
 }
 
@@ -103,12 +123,13 @@ bool SimulatedWorld::isName(const std::string& name) {
 }
 
 SimulatedWorld::SimulatedWorld(const std::string& name, std::uint64_t seed)
-    : impl_(std::make_unique<Impl>(Impl{name, seed, planOf(name, seed), {}})) {
+    : impl_(std::make_unique<Impl>(Impl{name, seed, planOf(name, seed), {}, {}})) {
     const SpinningSensor& sensor = impl_->plan.sensor;
     for (int i = 0; i < sensor.beams; ++i)
         impl_->beams.push_back(
             unitVector(sensor.lowestBeam +
                        (sensor.highestBeam - sensor.lowestBeam) * i / (sensor.beams - 1)));
+    impl_->scenes = scenesOf(impl_->plan);
 }
 SimulatedWorld::~SimulatedWorld() = default;
 SimulatedWorld::SimulatedWorld(SimulatedWorld&&) noexcept = default;
@@ -129,7 +150,8 @@ double SimulatedWorld::largestNoise() const {
 
 std::vector<Eigen::Vector3f> SimulatedWorld::Impl::turn(const CPose3D& T_map_sensor,
                                                         const Eigen::Vector2d& heading,
-                                                        int columns,
+                                                        int columns, const SolidScene& scene,
+                                                        RangeNoise noise,
                                                         SeededRandom random) const {
     const SpinningSensor& sensor = plan.sensor;
     const Eigen::Vector3d origin(T_map_sensor.x(), T_map_sensor.y(), T_map_sensor.z());
@@ -139,11 +161,12 @@ std::vector<Eigen::Vector3f> SimulatedWorld::Impl::turn(const CPose3D& T_map_sen
     for (int column = 0; column < columns; ++column) {
         // Clockwise, as most spinning sensors do.
         const Eigen::Vector2d azimuth = unitVector(-(column + 0.5) / columns);
-        plan.scene.cut(origin, rotated(azimuth, heading), sensor.range, plane);
+        scene.cut(origin, rotated(azimuth, heading), sensor.range, plane);
         for (const Eigen::Vector2d& beam : beams) {
             const double range = plane.cast(beam.y() / beam.x()) / beam.x();
             if (!(range <= sensor.range)) continue;
-            const double measured = range + random.bell(sensor.noise);
+            const double error = random.bell(sensor.noise);
+            const double measured = noise == RangeNoise::measured ? range + error : range;
             const Eigen::Vector3d point(azimuth.x() * beam.x() * measured,
                                         azimuth.y() * beam.x() * measured, beam.y() * measured);
             returns.push_back(point.cast<float>());
@@ -152,7 +175,7 @@ std::vector<Eigen::Vector3f> SimulatedWorld::Impl::turn(const CPose3D& T_map_sen
     return returns;
 }
 
-SimulatedScan SimulatedWorld::scan(std::size_t index) const {
+SimulatedScan SimulatedWorld::scan(std::size_t index, RangeNoise noise) const {
     const WorldPlan& plan = impl_->plan;
     const SpinningSensor& sensor = plan.sensor;
     SimulatedScan scan;
@@ -169,9 +192,9 @@ SimulatedScan SimulatedWorld::scan(std::size_t index) const {
     std::vector<Eigen::Vector3f> returns;
     const std::size_t wanted = plan.pointsPerScan;
     for (int columns = sensor.columns; returns.size() < wanted; columns += columns / 4)
-        returns =
-            impl_->turn(scan.T_map_robot + scan.T_robot_sensor, rotated(mounted, place.heading),
-                        columns, SeededRandom(impl_->seed, 1000 + index));
+        returns = impl_->turn(scan.T_map_robot + scan.T_robot_sensor,
+                              rotated(mounted, place.heading), columns, impl_->sceneAt(index),
+                              noise, SeededRandom(impl_->seed, 1000 + index));
     // Keep the number that was promised, evenly.
     const std::size_t found = returns.size();
     scan.points.reserve(wanted);
@@ -180,20 +203,69 @@ SimulatedScan SimulatedWorld::scan(std::size_t index) const {
     return scan;
 }
 
-bool SimulatedWorld::occupied(const Eigen::Vector3d& point) const {
-    return impl_->plan.scene.occupied(point);
+bool SimulatedWorld::occupied(const Eigen::Vector3d& point, std::size_t scan) const {
+    return impl_->sceneAt(scan).occupied(point);
+}
+
+bool SimulatedWorld::touches(const Eigen::AlignedBox3d& box, std::size_t scan) const {
+    return impl_->sceneAt(scan).touches(box);
+}
+
+std::vector<bool> SimulatedWorld::touchedParts(const Eigen::AlignedBox3d& box, int parts,
+                                               std::size_t scan) const {
+    const SolidScene scene = impl_->sceneAt(scan).near(box);
+    const Eigen::Vector3d edge = box.sizes() / parts;
+    std::vector<bool> touched;
+    touched.reserve(static_cast<std::size_t>(parts) * static_cast<std::size_t>(parts) *
+                    static_cast<std::size_t>(parts));
+    for (int z = 0; z < parts; ++z)
+        for (int y = 0; y < parts; ++y)
+            for (int x = 0; x < parts; ++x) {
+                const Eigen::Vector3d low =
+                    box.min() + edge.cwiseProduct(Eigen::Vector3d(x, y, z));
+                touched.push_back(scene.touches({low, low + edge}));
+            }
+    return touched;
 }
 
 std::optional<double> SimulatedWorld::castRay(const Eigen::Vector3d& origin,
-                                              const Eigen::Vector3d& direction) const {
+                                              const Eigen::Vector3d& direction,
+                                              std::size_t scan) const {
     const double horizontal = direction.head<2>().norm();
     const double range = impl_->plan.sensor.range;
     ScenePlane plane;
-    impl_->plan.scene.cut(origin, direction.head<2>() / horizontal, range, plane);
+    impl_->sceneAt(scan).cut(origin, direction.head<2>() / horizontal, range, plane);
     const double distance =
         plane.cast(direction.z() / horizontal) * direction.norm() / horizontal;
     if (!(distance <= range)) return std::nullopt;
     return distance;
+}
+
+bool SimulatedWorld::moves() const {
+    return impl_->plan.moving.has_value();
+}
+
+bool SimulatedWorld::touchesFixed(const Eigen::AlignedBox3d& box) const {
+    return impl_->plan.scene.touches(box);
+}
+
+SolidKind SimulatedWorld::kindOfSurface(const Eigen::Vector3d& point, std::size_t scan) const {
+    constexpr double kTolerance = 1e-3;  // m
+    if (!moves()) return SolidKind::fixed;
+    const MovingThings& moving = *impl_->plan.moving;
+    const Eigen::AlignedBox3d around(point - Eigen::Vector3d::Constant(kTolerance),
+                                     point + Eigen::Vector3d::Constant(kTolerance));
+    SolidScene walker, removed;
+    walker.groundZ = removed.groundZ = -std::numeric_limits<double>::infinity();
+    walker.cylinders = {moving.walkerAt(scan)};
+    removed.boxes = {moving.removed};
+    if (walker.touches(around)) return SolidKind::walker;
+    if (scan < moving.removalScan && removed.touches(around)) return SolidKind::removed;
+    return SolidKind::fixed;
+}
+
+std::size_t SimulatedWorld::removalScan() const {
+    return impl_->plan.moving->removalScan;
 }
 
 }  // namespace superray

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace superray {
@@ -34,6 +35,42 @@ double enterDisc(const ScenePlane::Section& s, double sensorZ, double slope) {
     return u > 0 ? u : kInfinity;
 }
 
+bool touch(const Box& b, const Eigen::AlignedBox3d& box) {
+    return (b.low.array() <= box.max().array()).all() &&
+           (b.high.array() >= box.min().array()).all();
+}
+
+bool touch(const Cylinder& c, const Eigen::AlignedBox3d& box) {
+    if (c.low > box.max().z() || c.high < box.min().z()) return false;
+    const Eigen::Vector2d nearest =
+        c.centre.cwiseMax(box.min().head<2>()).cwiseMin(box.max().head<2>());
+    return (nearest - c.centre).squaredNorm() <= c.radius * c.radius;
+}
+
+bool touch(const Ball& b, const Eigen::AlignedBox3d& box) {
+    return box.squaredExteriorDistance(b.centre) <= b.radius * b.radius;
+}
+
+/// True if the ground rises to the box somewhere below it.
+bool groundTouches(const SolidScene& scene, const Eigen::AlignedBox3d& box) {
+    const double x = scene.groundSlope.x() > 0 ? box.max().x() : box.min().x();
+    const double y = scene.groundSlope.y() > 0 ? box.max().y() : box.min().y();
+    return box.min().z() <= scene.groundAt(x, y);
+}
+
+template <class Solid>
+bool anyTouches(const std::vector<Solid>& solids, const Eigen::AlignedBox3d& box) {
+    return std::any_of(solids.begin(), solids.end(),
+                       [&](const Solid& s) { return touch(s, box); });
+}
+
+template <class Solid>
+void copyNear(const std::vector<Solid>& from, const Eigen::AlignedBox3d& box,
+              std::vector<Solid>& to) {
+    std::copy_if(from.begin(), from.end(), std::back_inserter(to),
+                 [&](const Solid& s) { return touch(s, box); });
+}
+
 }  // namespace
 
 double ScenePlane::cast(double slope) const {
@@ -62,6 +99,21 @@ bool SolidScene::occupied(const Eigen::Vector3d& p) const {
     for (const Ball& b : balls)
         if ((p - b.centre).squaredNorm() <= b.radius * b.radius) return true;
     return false;
+}
+
+bool SolidScene::touches(const Eigen::AlignedBox3d& box) const {
+    return groundTouches(*this, box) || anyTouches(boxes, box) || anyTouches(cylinders, box) ||
+           anyTouches(balls, box);
+}
+
+SolidScene SolidScene::near(const Eigen::AlignedBox3d& box) const {
+    SolidScene part;
+    part.groundZ = groundZ;
+    part.groundSlope = groundSlope;
+    copyNear(boxes, box, part.boxes);
+    copyNear(cylinders, box, part.cylinders);
+    copyNear(balls, box, part.balls);
+    return part;
 }
 
 void SolidScene::cut(const Eigen::Vector3d& origin, const Eigen::Vector2d& direction,

@@ -4,6 +4,7 @@
 /// Solids that simulated worlds are made of, and rays cast against them.
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <vector>
 
 namespace superray {
@@ -53,6 +54,10 @@ class SolidScene {
         return groundZ + groundSlope.x() * x + groundSlope.y() * y;
     }
     bool occupied(const Eigen::Vector3d& p) const;
+    /// True if a closed box shares a point with a solid or the ground.
+    bool touches(const Eigen::AlignedBox3d& box) const;
+    /// The solids that share a point with a closed box, and the ground.
+    SolidScene near(const Eigen::AlignedBox3d& box) const;
     /// The half-plane from `origin` towards the unit vector `direction`, as far
     /// as `range`. The origin must be in free space.
     void cut(const Eigen::Vector3d& origin, const Eigen::Vector2d& direction, double range,

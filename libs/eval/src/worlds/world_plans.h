@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "worlds/solid_scene.h"
@@ -23,8 +24,18 @@ struct SpinningSensor {
     double secondsPerScan;
 };
 
+/// What does not stay where it is, beside the fixed scene.
+struct MovingThings {
+    Cylinder walker;          ///< where it is in the first scan
+    Eigen::Vector2d step;     ///< of the walker, a scan [m]
+    Box removed;              ///< a thing that somebody takes away
+    std::size_t removalScan;  ///< first scan without it
+    Cylinder walkerAt(std::size_t scan) const;
+};
+
 struct WorldPlan {
-    SolidScene scene;
+    SolidScene scene;  ///< what is fixed
+    std::optional<MovingThings> moving;
     SpinningSensor sensor;
     /// The robot drives along these lines, scans evenly spaced [m].
     std::vector<Eigen::Vector2d> path;
@@ -33,5 +44,6 @@ struct WorldPlan {
 
 WorldPlan planIndoor(std::uint64_t seed);
 WorldPlan planOutdoor(std::uint64_t seed);
+WorldPlan planWalker(std::uint64_t seed);
 
 }  // namespace superray

@@ -2,12 +2,12 @@
 #include <superray/maps/octomap_input.h>
 #include <superray/storage/block_grid.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 #include <vector>
 
@@ -15,7 +15,6 @@ namespace superray {
 namespace {
 
 constexpr int kTreeDepth = 16;
-constexpr std::uint64_t kMostCells = 1'000'000'000;
 
 struct Header {
     CellValues values = CellValues::logOdds;
@@ -34,14 +33,25 @@ struct Leaf {
 /// The bytes of a file, read front to back.
 class Bytes {
  public:
-    explicit Bytes(const std::string& path) : path_(path) {
+    Bytes(const std::string& path, std::uint64_t most) : path_(path) {
         std::error_code error;
+        const auto status = std::filesystem::status(path, error);
+        if (!std::filesystem::exists(status)) throw MapFileError(path + ": no such file");
+        if (!std::filesystem::is_regular_file(status))
+            throw MapFileError(path + ": is not a regular file");
         std::ifstream file(path, std::ios::binary);
-        if (!file || std::filesystem::is_directory(path, error))
-            throw MapFileError(path + ": cannot be opened for reading");
-        data_.assign(std::istreambuf_iterator<char>(file), {});
-        if (file.bad()) throw MapFileError(path + ": cannot be read");
+        if (!file) throw MapFileError(path + ": cannot be opened for reading");
+        const auto size = std::filesystem::file_size(path);
+        if (size > most)
+            throw MapFileError(path + ": has " + std::to_string(size) +
+                               " bytes; OctoMap files of at most " + std::to_string(most) +
+                               " are read");
+        data_.resize(size);
+        file.read(data_.data(), static_cast<std::streamsize>(size));
+        if (file.gcount() != static_cast<std::streamsize>(size))
+            throw MapFileError(path + ": cannot be read");
     }
+    std::uint64_t size() const { return data_.size(); }
 
     [[noreturn]] void fail(const std::string& why) const {
         throw MapFileError(path_ + ": is not a whole OctoMap OcTree file: " + why);
@@ -102,7 +112,11 @@ Header readHeader(Bytes& bytes) {
 /// Walks the nodes of a file, depth first, children in order of their index.
 class LeafReader {
  public:
-    LeafReader(Bytes& bytes, bool hasColours) : bytes_(bytes), hasColours_(hasColours) {}
+    LeafReader(Bytes& bytes, bool hasColours, const OctomapLimits& limits)
+        : bytes_(bytes),
+          hasColours_(hasColours),
+          mostCells_(std::min(limits.cells,
+                              limits.cellsOfAnyFile + limits.cellsPerByte * bytes.size())) {}
 
     /// .ot: float32 log-odds, three bytes of colour in a ColorOcTree, a bit per child.
     void readNode(const Cell<3>& lowest, int depth) {
@@ -157,12 +171,16 @@ class LeafReader {
         if (!std::isfinite(value)) bytes_.fail("a cell's log-odds is not finite");
         const auto edge = static_cast<std::uint64_t>(edgeAt(depth));
         cells_ += edge * edge * edge;
-        if (cells_ > kMostCells) bytes_.fail("it describes more than 10^9 cells");
+        if (cells_ > mostCells_)
+            bytes_.fail("its pruned nodes stand for more than " + std::to_string(mostCells_) +
+                        " cells, the most that are read of a file of " +
+                        std::to_string(bytes_.size()) + " bytes");
         leaves_.push_back({lowest, edgeAt(depth), value});
     }
 
     Bytes& bytes_;
     bool hasColours_;
+    std::uint64_t mostCells_;
     std::uint64_t nodes_ = 0, cells_ = 0;
     std::vector<Leaf> leaves_;
 };
@@ -192,16 +210,18 @@ void fill(const Leaf& leaf, OccupancyMap<3>& map) {
 
 bool isOctomapFile(const std::string& path) {
     constexpr char kMagic[] = "# Octomap OcTree";
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) return false;
     std::ifstream file(path, std::ios::binary);
     std::string start(sizeof kMagic - 1, '\0');
     file.read(start.data(), static_cast<std::streamsize>(start.size()));
     return file && start == kMagic;
 }
 
-OctomapFile loadOctomapFile(const std::string& path) {
-    Bytes bytes(path);
+OctomapFile loadOctomapFile(const std::string& path, const OctomapLimits& limits) {
+    Bytes bytes(path, limits.fileBytes);
     const Header header = readHeader(bytes);
-    LeafReader reader(bytes, header.hasColours);
+    LeafReader reader(bytes, header.hasColours, limits);
     if (header.nodes > 0) {
         const Cell<3> lowest{-kCellLimit, -kCellLimit, -kCellLimit};
         if (header.values == CellValues::occupancy)

@@ -1,26 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mrpt/serialization/CArchive.h>
 #include <superray/maps/CSuperRayPointsMap.h>
 
 #include <limits>
 #include <stdexcept>
 
+#include "mrpt/points_map_occupancy.h"
+
 namespace superray {
-
-/// The grid map, which reports each scan to the points.
-template <int Dim>
-class CSuperRayPointsMap<Dim>::Occupancy final : public GridMap {
- public:
-    Occupancy(CSuperRayPointsMap& points, double resolution)
-        : GridMap(resolution), points_(points) {}
-    void takeFrom(const GridMap& other) { GridMap::operator=(other); }
-
- private:
-    void scanApplied(const RayBundle<Dim>& rays, const UpdateBatch<Dim>* batch) override {
-        points_.follow(rays, batch);
-    }
-    CSuperRayPointsMap& points_;
-};
 
 template <int Dim>
 CSuperRayPointsMap<Dim>::CSuperRayPointsMap(double resolution)
@@ -81,7 +67,8 @@ void CSuperRayPointsMap<Dim>::setOptions(const TMapOptions& options) {
     occupancy_->setOptions(options);
     genericMapParams = occupancy_->genericMapParams;
     if (!options.creation.load_from.empty()) forgetPoints();
-    followAllBlocks();  // another threshold, another set of occupied cells
+    // Another threshold, another set of occupied cells.
+    remakeOnFailure([this] { followAllBlocks(); });
 }
 
 template <int Dim>
@@ -89,7 +76,7 @@ void CSuperRayPointsMap<Dim>::loadFromFile(const std::string& path) {
     occupancy_->loadFromFile(path);
     genericMapParams = occupancy_->genericMapParams;
     forgetPoints();
-    followAllBlocks();
+    remakeOnFailure([this] { followAllBlocks(); });
 }
 
 template <int Dim>
@@ -131,7 +118,11 @@ bool CSuperRayPointsMap<Dim>::internal_insertObservation(
     const mrpt::obs::CObservation& observation,
     const std::optional<const mrpt::poses::CPose3D>& robotPose) {
     occupancy_->genericMapParams = genericMapParams;
-    return occupancy_->insertObservation(observation, robotPose);  // calls follow()
+    bool changed = false;
+    remakeOnFailure([&] {  // insertObservation() calls follow()
+        changed = occupancy_->insertObservation(observation, robotPose);
+    });
+    return changed;
 }
 
 // --- the points ---------------------------------------------------------------
@@ -242,63 +233,29 @@ void CSuperRayPointsMap<Dim>::removePoint(std::uint32_t index) {
     resize(sources_.size());
 }
 
+/// Memory may run out anywhere in `change`: then there are points made anew from the
+/// cells, or none (follow() makes them the next time).
+template <int Dim>
+template <class Change>
+void CSuperRayPointsMap<Dim>::remakeOnFailure(const Change& change) {
+    try {
+        change();
+    } catch (...) {
+        forgetPoints();
+        try {
+            followAllBlocks();
+        } catch (const std::bad_alloc&) {
+            forgetPoints();
+        }
+        throw;
+    }
+}
+
 template <int Dim>
 void CSuperRayPointsMap<Dim>::forgetPoints() {
     sources_.clear();
     blocks_.clear();
     CSimplePointsMap::internal_clear();
-}
-
-// --- streams --------------------------------------------------------------------
-
-template <int Dim>
-void CSuperRayPointsMap<Dim>::writeTo(mrpt::serialization::CArchive& out) const {
-    if (size() != sources_.size())
-        throw std::logic_error("CSuperRayPointsMap: points were added or removed by others");
-    out << static_cast<const GridMap&>(*occupancy_);
-    out << static_cast<std::uint64_t>(sources_.size());
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
-        for (const auto c : sources_[i].cell) out << c;
-        out << sources_[i].ends << m_x[i] << m_y[i] << m_z[i];
-    }
-}
-
-template <int Dim>
-void CSuperRayPointsMap<Dim>::readFrom(mrpt::serialization::CArchive& in,
-                                       std::uint8_t version) {
-    if (version > kSerialVersion)
-        throw std::runtime_error("CSuperRayPointsMap: version " + std::to_string(version) +
-                                 " in the stream is newer than this library's, " +
-                                 std::to_string(kSerialVersion));
-    CSuperRayPointsMap read(1.0);
-    GridMap grid;
-    in >> grid;
-    read.occupancy_->takeFrom(grid);
-    read.genericMapParams = grid.genericMapParams;
-    read.followAllBlocks();
-    std::uint64_t count = 0;
-    in >> count;
-    if (count != read.sources_.size())
-        throw std::runtime_error("CSuperRayPointsMap: the stream has " + std::to_string(count) +
-                                 " points for " + std::to_string(read.sources_.size()) +
-                                 " occupied cells");
-    // Same cells in the order of the stream, for equal maps to stay equal.
-    read.sources_.clear();
-    read.blocks_.clear();
-    static_cast<CSimplePointsMap&>(read).CSimplePointsMap::setSize(0);
-    for (std::uint64_t i = 0; i < count; ++i) {
-        Source source{};
-        std::array<float, 3> position{};
-        for (auto& c : source.cell) in >> c;
-        in >> source.ends >> position[0] >> position[1] >> position[2];
-        const auto value = read.occupancy_->storage().logOdds(source.cell);
-        if (!value || *value < grid.sensorModel().occupied() ||
-            read.pointAt(source.cell) != kNoPoint)
-            throw std::runtime_error("CSuperRayPointsMap: bad point in the stream");
-        read.addPoint(source, position);
-    }
-    read.mark_as_modified();
-    copyAll(read);
 }
 
 template class CSuperRayPointsMap<2>;

@@ -2,6 +2,7 @@
 // Registration of all maps: MRPT finds them by class name when reading streams,
 // and by .ini name when creating maps.
 
+#include <dlfcn.h>
 #include <mrpt/version.h>
 #include <octomap/OcTree.h>
 #include <superray/maps/CSuperRayGridMap2D.h>
@@ -11,6 +12,7 @@
 #include <superray/maps/CSuperRayQuadMap.h>
 #include <superray/storage/octree.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <iostream>
 
@@ -47,6 +49,25 @@ const octomap::OcTree& CSuperRayOctoMap::octree() const {
 /// A program that links this library, rather than loading it as a plugin, may
 /// define this to keep the line below away.
 extern "C" __attribute__((weak)) const bool superray_linked_knowingly;
+
+/// Copies of this library in the process. Of two, one has all symbols of the other, and
+/// what both construct at start is destroyed twice at the end.
+extern "C" {
+extern int superray_copies_loaded;
+int superray_copies_loaded = 0;
+}
+
+/// Before all other constructors of this library, which would already do harm.
+[[gnu::constructor(101)]] static void refuseSecondCopy() {
+    if (superray_copies_loaded++ == 0) return;
+    Dl_info info{};
+    dladdr(reinterpret_cast<const void*>(&refuseSecondCopy), &info);
+    std::fprintf(stderr,
+                 "[superray] ERROR: %s is a second copy of the plugin; load only one (see "
+                 "LD_PRELOAD, -p, -l)\n",
+                 info.dli_fname ? info.dli_fname : "?");
+    std::_Exit(EXIT_FAILURE);
+}
 
 // MRPT wants each of these per class; a template cannot define them.
 #define SUPERRAY_REGISTER_MAP(Class, Base, alias)                                             \

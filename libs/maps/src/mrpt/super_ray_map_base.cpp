@@ -7,6 +7,7 @@
 #include <mrpt/obs/CObservation.h>
 #include <superray/maps/observation_rays.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <sstream>
@@ -170,7 +171,9 @@ void CSuperRayMapBase<Dim>::replaceAll(SharedStorage<Dim> storage, const TMapOpt
 template <int Dim>
 void CSuperRayMapBase<Dim>::reserveMemory() {
     if (reserveMegabytes_ == 0) return;
-    const std::size_t bytes = std::size_t{reserveMegabytes_} << 20;
+    // The number may come from a file: it must not take the machine's memory.
+    const std::size_t bytes = std::min<std::size_t>(std::size_t{reserveMegabytes_} << 20,
+                                                    MapFileLimits::ofThisMachine().mapBytes);
     integrator_.reserve(bytes / 4, insertionOptions.integratorOptions().threads);
     storage_.writable().reserve(bytes - bytes / 4);
 }

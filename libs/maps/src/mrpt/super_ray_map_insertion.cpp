@@ -9,6 +9,8 @@
 #include <superray/maps/super_ray_map_base.h>
 
 #include <chrono>
+#include <iterator>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -92,15 +94,15 @@ bool SuperRayMapInterface::insertObservationAlong(
     PoseLimits limits;
     limits.maxGap = longestGap(trajectory);
     return insertObservationAlong(observation, [&](mrpt::Clock::time_point time) {
-        PoseTrack neighbours;
-        auto after = trajectory.lower_bound(time);
-        if (after != trajectory.end())
-            neighbours.add(after->first, mrpt::poses::CPose3D(after->second));
-        if (after != trajectory.begin()) {
-            --after;
-            neighbours.add(after->first, mrpt::poses::CPose3D(after->second));
+        std::optional<TimedPose> before, after;
+        const auto next = trajectory.lower_bound(time);
+        if (next != trajectory.end()) after.emplace(next->first, next->second);
+        if (next != trajectory.begin()) {
+            const auto last = std::prev(next);
+            before.emplace(last->first, last->second);
         }
-        return neighbours.at(time, limits);
+        return poseBetween(before ? &*before : nullptr, after ? &*after : nullptr, time, limits)
+            .pose;
     });
 }
 
@@ -122,7 +124,12 @@ void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>& rays) {
         surface_ = std::make_shared<SurfaceStatistics<Dim>>(storage_->geometry());
     else if (surface_.use_count() > 1)  // copies of this map have it too
         surface_ = std::make_shared<SurfaceStatistics<Dim>>(*surface_);
-    surface_->add(rays);
+    try {
+        surface_->add(rays);
+    } catch (...) {
+        surface_.reset();  // no statistics, rather than those of a part of the rays
+        throw;
+    }
 }
 
 template <int Dim>
@@ -143,38 +150,50 @@ void CSuperRayMapBase<Dim>::apply(const UpdateBatch<Dim>& batch) {
 template <int Dim>
 void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionReport report,
                                       HitCells hitCells) {
-    const SensorModel model = sensorModel();
-    const IntegratorOptions integration = insertionOptions.integratorOptions();
     report.rays = rays.size();
     if (!rays.empty()) {
         report.scans = 1;
-        OccupancyMap<Dim>& map = storage_.writable();
-        Stopwatch watch;
-        const UpdateBatch<Dim>* applied = nullptr;
-        UpdateBatch<Dim> changed;
-        if (ScanIntegrator<Dim>::needsExactCounts(integration, model, &map)) {
-            auto counts = countCells(rays);
-            if (hitCells == HitCells::notMissed)
-                counts = withoutMissesOfHitCells<Dim>(std::move(counts));
-            report.integrateSeconds = watch.lap();
-            report.work.rays = rays.size();
-            apply(counts);
-        } else {
-            applied = &integrator_.integrate(rays, model, integration, &map);
-            report.work = integrator_.statistics();
-            if (hitCells == HitCells::notMissed) {
-                changed = withoutMissesOfHitCells<Dim>(*applied);
-                applied = &changed;
-            }
-            report.integrateSeconds = watch.lap();
-            apply(*applied);
+        try {
+            applyRays(rays, hitCells, report);
+        } catch (...) {
+            // Some blocks may be new already: what is derived from them is made anew.
+            contentsChanged();
+            throw;
         }
-        addStatistics(rays);
-        report.applySeconds = watch.lap();
-        scanApplied(rays, applied);
     }
     last_ = report;
     totals_ += report;
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>& rays, HitCells hitCells,
+                                      TInsertionReport& report) {
+    const SensorModel model = sensorModel();
+    const IntegratorOptions integration = insertionOptions.integratorOptions();
+    OccupancyMap<Dim>& map = storage_.writable();
+    Stopwatch watch;
+    const UpdateBatch<Dim>* applied = nullptr;
+    UpdateBatch<Dim> changed;
+    if (ScanIntegrator<Dim>::needsExactCounts(integration, model, &map)) {
+        auto counts = countCells(rays);
+        if (hitCells == HitCells::notMissed)
+            counts = withoutMissesOfHitCells<Dim>(std::move(counts));
+        report.integrateSeconds = watch.lap();
+        report.work.rays = rays.size();
+        apply(counts);
+    } else {
+        applied = &integrator_.integrate(rays, model, integration, &map);
+        report.work = integrator_.statistics();
+        if (hitCells == HitCells::notMissed) {
+            changed = withoutMissesOfHitCells<Dim>(*applied);
+            applied = &changed;
+        }
+        report.integrateSeconds = watch.lap();
+        apply(*applied);
+    }
+    addStatistics(rays);
+    report.applySeconds = watch.lap();
+    scanApplied(rays, applied);
 }
 
 #define SUPERRAY_INSTANTIATE(Dim)                                                           \
@@ -186,6 +205,8 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
     template void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>&);              \
     template void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>&, TInsertionReport, \
                                                    HitCells);                               \
+    template void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>&, HitCells,         \
+                                                   TInsertionReport&);                      \
     template void CSuperRayMapBase<Dim>::apply(const UpdateBatch<Dim>&);                    \
     template void CSuperRayMapBase<Dim>::apply(const CellCountMap<Dim>&);                   \
     template void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>&);             \

@@ -124,8 +124,13 @@ void CSuperRayMapBase<Dim>::loadFromFile(const std::string& path) {
                            " can load " + std::to_string(Dim) + "D maps only");
     TMapOptions read;
     try {
-        read.fromText(file.header.options);
         read.creation.resolution = file.header.resolution;
+        read.fromText(file.header.options);
+        if (read.creation.resolution != file.header.resolution)
+            throw std::invalid_argument(
+                "resolution " + std::to_string(read.creation.resolution) +
+                " m in the options, but " + std::to_string(file.header.resolution) +
+                " m in the header");
         read.creation.validate();
     } catch (const std::invalid_argument& e) {
         throw MapFileError(path + ": " + e.what());

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <limits>
 #include <numeric>
+#include <sstream>
 #include <stdexcept>
 
 namespace superray {
@@ -128,7 +129,7 @@ void parseValue(const std::string& text, UpdatePolicy& value) {
         value = p;
         return;
     }
-    throw std::invalid_argument("must be everyRay, oncePerScan or netEvidence");
+    throw std::invalid_argument("must be " + updatePolicyNames());
 }
 
 void parseValue(const std::string& text, Method& value) {
@@ -181,6 +182,16 @@ StrictSection::StrictSection(const mrpt::config::CConfigFileBase& source,
         // MRPT pads keys with blanks when it writes them.
         entries_.push_back({trimmed(key), trimmed(withoutComment(value)), false});
     }
+}
+
+std::vector<std::string> splitList(const std::string& text) {
+    std::vector<std::string> entries;
+    std::istringstream list(text);
+    for (std::string entry; std::getline(list, entry, ',');) {
+        entry = trimmed(entry);
+        if (!entry.empty()) entries.push_back(entry);
+    }
+    return entries;
 }
 
 bool StrictSection::has(const std::string& key) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/maps/options.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
@@ -232,14 +233,8 @@ IntegratorOptions TInsertionOptions::integratorOptions() const {
 
 bool TInsertionOptions::acceptsSensor(const std::string& label) const {
     if (sensorLabel.empty()) return true;
-    std::istringstream list(sensorLabel);
-    for (std::string entry; std::getline(list, entry, ',');) {
-        const auto first = entry.find_first_not_of(" \t");
-        const auto last = entry.find_last_not_of(" \t");
-        if (first != std::string::npos && entry.substr(first, last - first + 1) == label)
-            return true;
-    }
-    return false;
+    const auto accepted = splitList(sensorLabel);
+    return std::find(accepted.begin(), accepted.end(), label) != accepted.end();
 }
 
 void TLikelihoodOptions::loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
@@ -310,10 +305,18 @@ void TMapOptions::fromText(const std::string& text) {
     for (std::string line; std::getline(lines, line);) {
         const std::size_t equals = line.find(" = ");
         if (line.size() > 2 && line.front() == '[' && line.back() == ']') {
-            sections.push_back({line.substr(1, line.size() - 2), {}});
+            const std::string name = line.substr(1, line.size() - 2);
+            for (const auto& section : sections)
+                if (section.first == name)
+                    throw std::invalid_argument("options: second section [" + name + "]");
+            sections.push_back({name, {}});
         } else if (!sections.empty() && equals != std::string::npos) {
-            sections.back().second.push_back(
-                {line.substr(0, equals), line.substr(equals + 3), false});
+            const std::string key = line.substr(0, equals);
+            for (const auto& entry : sections.back().second)
+                if (entry.key == key)
+                    throw std::invalid_argument("options: second key " + key + " in [" +
+                                                sections.back().first + "]");
+            sections.back().second.push_back({key, line.substr(equals + 3), false});
         } else {
             throw std::invalid_argument("options: unexpected line \"" + line + "\"");
         }

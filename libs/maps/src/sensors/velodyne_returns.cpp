@@ -16,6 +16,31 @@ using Packet = Scan::TVelodyneRawPacket;
 using mrpt::obs::VelodyneCalibration;
 using LaserCalibration = VelodyneCalibration::PerLaserCalib;
 
+/// A little-endian number in a packet. MRPT's accessors bind references to members of
+/// packed structures, most of which are not aligned.
+template <class Number>
+Number numberAt(const void* structure, std::size_t offset) {
+    const auto* bytes = static_cast<const unsigned char*>(structure) + offset;
+    Number value = 0;
+    for (std::size_t i = sizeof value; i-- > 0;)
+        value = static_cast<Number>(value << 8 | bytes[i]);
+    return value;
+}
+
+std::uint16_t headerOf(const Scan::raw_block_t& block) {
+    return numberAt<std::uint16_t>(&block, 0);
+}
+std::uint16_t rotationOf(const Scan::raw_block_t& block) {
+    return numberAt<std::uint16_t>(&block, 2);
+}
+std::uint16_t distanceOf(const Scan::laser_return_t& laser) {
+    return numberAt<std::uint16_t>(&laser, 0);
+}
+/// From the full hour [us].
+std::uint32_t timeOf(const Packet& packet) {
+    return numberAt<std::uint32_t>(&packet, sizeof packet.blocks);
+}
+
 constexpr double kMetresPerUnit = 0.002;
 constexpr double kRadiansPerUnit = M_PI / 18000;  // azimuths come in 0.01 degree
 
@@ -71,7 +96,7 @@ double azimuthPerBlock(const Packet& packet, int blocksPerAzimuth) {
     for (int b = 0; b < n; ++b) {
         const int turn = Scan::ROTATION_MAX_UNITS;
         const int difference =
-            packet.blocks[b + blocksPerAzimuth].rotation() - packet.blocks[b].rotation();
+            rotationOf(packet.blocks[b + blocksPerAzimuth]) - rotationOf(packet.blocks[b]);
         advance[static_cast<std::size_t>(b)] = ((difference % turn) + turn) % turn;
     }
     std::nth_element(advance.begin(), advance.begin() + n / 2, advance.begin() + n);
@@ -81,8 +106,7 @@ double azimuthPerBlock(const Packet& packet, int blocksPerAzimuth) {
 /// Time since the first packet of a scan [us]. Packets count from the full hour.
 double microsecondsSince(const Packet& first, const Packet& packet) {
     constexpr std::int64_t kHour = 3600000000;
-    const auto elapsed =
-        std::int64_t{packet.gps_timestamp()} - std::int64_t{first.gps_timestamp()};
+    const auto elapsed = std::int64_t{timeOf(packet)} - std::int64_t{timeOf(first)};
     return static_cast<double>(elapsed < 0 ? elapsed + kHour : elapsed);
 }
 
@@ -125,9 +149,9 @@ class PacketReader {
         const double packetTime = microsecondsSince(scan_.scan_packets.front(), packet);
         for (int b = 0; b < Scan::BLOCKS_PER_PACKET; ++b) {
             const auto& block = packet.blocks[b];
-            const bool lower = block.header() == Scan::LOWER_BANK;
+            const bool lower = headerOf(block) == Scan::LOWER_BANK;
             // As MRPT: damaged data end the packet.
-            if (block.header() != Scan::UPPER_BANK && !(banks && lower)) return;
+            if (headerOf(block) != Scan::UPPER_BANK && !(banks && lower)) return;
             // The second block of a dual return repeats those that were single.
             const auto* twin = dual && !banks && b % 2 == 1 ? &packet.blocks[b - 1] : nullptr;
             const double blockTime =
@@ -142,13 +166,13 @@ class PacketReader {
         const std::size_t lasers = std::min<std::size_t>(model_.lasers->size(), 32);
         const Timing& timing = model_.timing;
         for (std::size_t i = 0; i < Scan::SCANS_PER_BLOCK; ++i) {
-            const auto raw = block.laser_returns[i].distance();
-            if (twin && (raw == 0 || raw == twin->laser_returns[i].distance())) continue;
+            const auto raw = distanceOf(block.laser_returns[i]);
+            if (twin && (raw == 0 || raw == distanceOf(twin->laser_returns[i]))) continue;
             if (!to_.next()) continue;
             const LaserCalibration& laser = (*model_.lasers)[firstLaser + i % lasers];
             const double time = timing.firingPeriod * static_cast<double>(i / lasers) +
                                 timing.returnPeriod * static_cast<double>(i % lasers);
-            const double units = block.rotation() + turn * time / timing.blockPeriod;
+            const double units = rotationOf(block) + turn * time / timing.blockPeriod;
             // The correction is in degrees. (MRPT 2.5.8 leaves it out.)
             const double azimuth = (units - 100 * laser.azimuthCorrection) * kRadiansPerUnit;
             const double distance = raw * kMetresPerUnit + laser.distanceCorrection;

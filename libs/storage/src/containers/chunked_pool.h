@@ -43,9 +43,15 @@ class ChunkedPool {
             free_.pop_back();
             return i;
         }
-        if (used_ == chunks_.size() * kChunk)
-            addSlab(std::clamp<std::size_t>(chunks_.size() / kSpare, 1, kMostChunks));
+        if (used_ == chunks_.size() * kChunk) addSlab(slabSize());
         return used_++;
+    }
+    /// So that so many can be allocated without failure, after which the greatest number
+    /// may be kChunk higher. \throws std::bad_alloc, std::length_error
+    void keepRoomToAllocate(std::uint32_t n) {
+        const std::size_t room = free_.size() + chunks_.size() * kChunk - used_;
+        if (room < n)
+            addSlab(std::max<std::size_t>((n - room + kChunk - 1) / kChunk, slabSize()));
     }
     void release(std::uint32_t i) { free_.push_back(i); }
     /// So that so many can be released without failure.
@@ -95,13 +101,18 @@ class ChunkedPool {
     static constexpr std::size_t kMostChunks = 64;  ///< in a slab
     static constexpr std::size_t kSpare = 128;      ///< of so many chunks, one may be unused
 
+    std::size_t slabSize() const {
+        return std::clamp<std::size_t>(chunks_.size() / kSpare, 1, kMostChunks);
+    }
     std::size_t usedChunks() const { return (std::size_t{used_} + kChunk - 1) / kChunk; }
 
     void addSlab(std::size_t chunks) {
         constexpr std::size_t kMost = (std::size_t{1} << 32) / kChunk - 1;
         if (chunks_.size() + chunks > kMost)
             throw std::length_error("a map holds fewer than 2^32 blocks, layers or nodes");
-        slabs_.emplace_back(chunks);
+        if (chunks_.capacity() - chunks_.size() < chunks)
+            chunks_.reserve(std::max(chunks_.size() + chunks, 2 * chunks_.capacity()));
+        slabs_.emplace_back(chunks);  // nothing fails from here on
         for (std::size_t i = 0; i < chunks; ++i)
             chunks_.push_back(slabs_.back().memory.get() + i * kChunk);
     }

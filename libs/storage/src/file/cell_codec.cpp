@@ -151,8 +151,22 @@ class BlockReader {
     std::uint64_t read_ = 0;
 };
 
+/// The memory that blocks take at most in a grid [bytes].
 template <int Dim>
-void decodeInto(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& map) {
+std::uint64_t memoryOf(const CellsHeader& h) {
+    constexpr std::uint64_t kKeyAndKind = 4 * Dim + 1, kMask = kBlockCells<Dim> / 8;
+    constexpr std::uint64_t kSmallestUniform = kKeyAndKind + sizeof(float);
+    constexpr std::uint64_t kSmallestMixed = kKeyAndKind + kMask + sizeof(float);
+    constexpr std::uint64_t kTableEntry = 64;
+    constexpr std::uint64_t kMixed = kBlockCells<Dim> * sizeof(float) + 2 * kMask + 64;
+    const std::uint64_t blocks = std::min(h.blocks, h.rawSize / kSmallestUniform);
+    const std::uint64_t mixed = std::min(blocks, h.rawSize / kSmallestMixed);
+    return blocks * kTableEntry + mixed * kMixed;
+}
+
+template <int Dim>
+void decodeInto(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& map,
+                const MapFileLimits& limits) {
     const CellsHeader h = decodeHeader(data, size);
     if (h.dimension != Dim)
         fail("dimension " + std::to_string(h.dimension) + " for a map of dimension " +
@@ -160,6 +174,10 @@ void decodeInto(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& m
     if (h.resolution != map.geometry().resolution())
         fail("resolution " + std::to_string(h.resolution) + " for a map of resolution " +
              std::to_string(map.geometry().resolution()));
+    if (const auto bytes = memoryOf<Dim>(h); bytes > limits.mapBytes)
+        fail(std::to_string(h.blocks) + " blocks need up to " + std::to_string(bytes) +
+             " bytes of memory, the limit is " + std::to_string(limits.mapBytes) +
+             " (SUPERRAY_MAP_MEGABYTES)");
     BlockReader<Dim> reader(data + kHeader, size - kHeader);
     std::uint64_t known = 0;
     for (std::uint64_t b = 0; b < h.blocks; ++b) {
@@ -208,10 +226,11 @@ std::vector<std::uint8_t> encodeCells(const OccupancyMap<Dim>& map) {
 }
 
 template <int Dim>
-void decodeCells(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& map) {
+void decodeCells(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& map,
+                 const MapFileLimits& limits) {
     try {
         const std::unique_ptr<OccupancyMap<Dim>> fresh = map.emptyLike(map.geometry());
-        decodeInto(data, size, *fresh);
+        decodeInto(data, size, *fresh, limits);
         map.swapContents(*fresh);
     } catch (const std::bad_alloc&) {
         fail("not enough memory");
@@ -222,7 +241,9 @@ void decodeCells(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& 
 
 template std::vector<std::uint8_t> encodeCells<2>(const OccupancyMap<2>&);
 template std::vector<std::uint8_t> encodeCells<3>(const OccupancyMap<3>&);
-template void decodeCells<2>(const std::uint8_t*, std::size_t, OccupancyMap<2>&);
-template void decodeCells<3>(const std::uint8_t*, std::size_t, OccupancyMap<3>&);
+template void decodeCells<2>(const std::uint8_t*, std::size_t, OccupancyMap<2>&,
+                             const MapFileLimits&);
+template void decodeCells<3>(const std::uint8_t*, std::size_t, OccupancyMap<3>&,
+                             const MapFileLimits&);
 
 }  // namespace superray

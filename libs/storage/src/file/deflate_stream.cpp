@@ -20,7 +20,8 @@ constexpr std::size_t kMaxStep = std::numeric_limits<uInt>::max();
 }  // namespace
 
 std::uint32_t crc32Of(const std::uint8_t* data, std::size_t size, std::uint32_t previous) {
-    return static_cast<std::uint32_t>(crc32_z(previous, data, size));
+    // Of no bytes at no address zlib says 0, whatever came before.
+    return size == 0 ? previous : static_cast<std::uint32_t>(crc32_z(previous, data, size));
 }
 
 DeflateStream::DeflateStream() : z_(std::make_unique<z_stream_s>()) {

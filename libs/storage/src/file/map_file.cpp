@@ -12,9 +12,14 @@
 #include "file/deflate_stream.h"
 #include "file/input_file.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <optional>
 
 namespace superray {
@@ -77,15 +82,7 @@ class SectionReader {
         return file;
     }
 
- private:
-    struct Section {
-        std::size_t begin, size;
-    };
-
-    [[noreturn]] void fail(const std::string& what) const {
-        throw MapFileError(name_ + ": at byte " + std::to_string(at_) + ": " + what);
-    }
-
+    /// Looks at the first kPreamble bytes only. \return the number of sections
     std::uint32_t readPreamble() {
         if (size_ < kPreamble) fail("too short for a map file");
         if (!std::equal(kMagic.begin(), kMagic.end(), data_)) fail("not a superray map file");
@@ -99,6 +96,15 @@ class SectionReader {
                  std::to_string(declared));
         at_ = kPreamble;
         return get<std::uint32_t>(data_ + 12);
+    }
+
+ private:
+    struct Section {
+        std::size_t begin, size;
+    };
+
+    [[noreturn]] void fail(const std::string& what) const {
+        throw MapFileError(name_ + ": at byte " + std::to_string(at_) + ": " + what);
     }
 
     void readSection() {
@@ -181,8 +187,25 @@ void saveMapFile(const std::string& path, const MapFileHeader& header,
     writeFileAtomically(path, {reinterpret_cast<const char*>(file.data()), file.size()});
 }
 
-MapFile loadMapFile(const std::string& path) {
-    const Bytes bytes = readWholeFile(path);
+MapFileLimits MapFileLimits::ofThisMachine() {
+    constexpr std::uint64_t kMebi = std::uint64_t{1} << 20;
+    std::uint64_t bytes = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+                          static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
+    if (const char* text = std::getenv("SUPERRAY_MAP_MEGABYTES")) {
+        std::uint64_t mebibytes = 0;
+        const char* end = text + std::strlen(text);
+        const auto parsed = std::from_chars(text, end, mebibytes);
+        if (parsed.ec == std::errc() && parsed.ptr == end && mebibytes < (kMebi << 20))
+            bytes = mebibytes * kMebi;
+    }
+    return {bytes, bytes};
+}
+
+MapFile loadMapFile(const std::string& path, const MapFileLimits& limits) {
+    const Bytes bytes = readWholeFile(
+        path, kPreamble, limits.fileBytes, [&](const Bytes& start, std::uint64_t size) {
+            SectionReader(start.data(), size, path).readPreamble();
+        });
     return parseMapFile(bytes.data(), bytes.size(), path);
 }
 

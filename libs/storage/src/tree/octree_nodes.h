@@ -46,10 +46,15 @@ class OcTreeNodes final : public octomap::OcTree {
         setClampingThresMax(o.getClampingThresMax());
         setOccupancyThres(o.getOccupancyThres());
         if (o.root() == kNull) return;
-        Editor editor(*this);
-        editor.reserve();
-        setRoot(editor.create());
-        editor.copyBelow(o.root(), root());
+        try {
+            Editor editor(*this);
+            editor.reserve();
+            setRoot(editor.create());
+            editor.copyBelow(o.root(), root());
+        } catch (...) {
+            clearNodes();  // OctoMap's destructor, which comes next, would free them
+            throw;
+        }
     }
     OcTreeNodes& operator=(const OcTreeNodes&) = delete;
     ~OcTreeNodes() override { clearNodes(); }

@@ -46,7 +46,13 @@ class QuadNodes {
      public:
         explicit Editor(QuadNodes& nodes) : nodes_(nodes) {}
 
-        void reserve() {}
+        /// Makes sure that nothing fails until a block and the way to it are made.
+        void reserve() {
+            // A family per level of the way, and 1 + 4 + 16 in the block; as many may go.
+            constexpr std::uint32_t kFamiliesOfBlock = 64;
+            nodes_.families_.keepRoomToAllocate(kFamiliesOfBlock);
+            nodes_.families_.keepRoomToRelease(kFamiliesOfBlock);
+        }
         void setValue(Node n, float v) { nodes_.at(n).value = v; }
         Node create() {
             const Node n = 4 * nodes_.newFamily();  // its siblings are never used

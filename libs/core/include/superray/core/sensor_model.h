@@ -126,5 +126,7 @@ double probabilityOf(float logOdds);
 UpdatePolicy updatePolicyFromString(
     const std::string& name);  ///< \throws std::invalid_argument
 const char* toString(UpdatePolicy policy);
+/// "everyRay, oncePerScan or netEvidence", for messages.
+std::string updatePolicyNames();
 
 }  // namespace superray

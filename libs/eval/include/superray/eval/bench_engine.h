@@ -15,10 +15,22 @@
 
 namespace superray {
 
+/// Which sensor model others' engines use. Ours have that of their policy.
+enum class PeerModel : std::uint8_t {
+    shared,  ///< SensorProbabilities: 0.7, 0.4, clamps 0.1192 and 0.971
+    own      ///< the engine's defaults
+};
+const char* toString(PeerModel model);
+/// \throws std::invalid_argument
+PeerModel peerModelFromString(const std::string& name);
+
 struct BenchEngineOptions {
     double resolution = 0.1;  ///< [m]
     unsigned threads = 1;
     UpdatePolicy policy = UpdatePolicy::netEvidence;
+    /// Policy netEvidence of our maps only; nothing: their default.
+    std::optional<double> scanMissMin;
+    PeerModel peerModel = PeerModel::shared;
     std::uint32_t superRayThreshold = 20;
     /// Where the data are, for engines whose map has a fixed size [m].
     Eigen::AlignedBox3f bounds;
@@ -35,6 +47,9 @@ struct BenchWork {
                   touchedBlocks = 0;
     BenchWork& operator+=(const BenchWork& other);
 };
+
+/// The least probability at which a cell is taken to be occupied.
+inline constexpr double kOccupiedFrom = 0.5;
 
 /// A map and the way to update it.
 class BenchEngine {

@@ -14,6 +14,10 @@ class InputError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// Refuses folders, and what may never end: devices, FIFOs, sockets.
+/// \throws InputError also if there is nothing
+void requireRegularFile(const std::string& path);
+
 /// The cause of an exception in one line. MRPT's exceptions carry several
 /// nested messages and call stacks: the innermost message is the cause.
 std::string oneLineCause(const std::exception& error);

@@ -9,9 +9,9 @@
 namespace superray {
 
 /// loadOctomapFile() with this library's error. \throws InputError
-inline OctomapFile readOctomapFile(const std::string& path) {
+inline OctomapFile readOctomapFile(const std::string& path, const OctomapLimits& limits = {}) {
     try {
-        return loadOctomapFile(path);
+        return loadOctomapFile(path, limits);
     } catch (const MapFileError& e) {
         throw InputError(e.what());
     }

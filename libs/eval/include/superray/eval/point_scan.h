@@ -5,6 +5,7 @@
 
 #include <superray/eval/progress_meter.h>
 #include <superray/eval/scan_source.h>
+#include <superray/eval/simulated_world.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -23,10 +24,11 @@ struct PointScan {
 
 /// What to load.
 struct PointScanRequest {
-    /// A simulated world (`indoor`, `outdoor`), or any input of openScanSource().
+    /// A simulated world (`indoor`, `outdoor`, `walker`), or any input of openScanSource().
     std::string data;
-    ScanSourceOptions source;     ///< of recorded inputs; maxScans also of worlds
-    std::uint64_t worldSeed = 1;  ///< of simulated worlds
+    ScanSourceOptions source;                 ///< of recorded inputs; maxScans also of worlds
+    std::uint64_t worldSeed = 1;              ///< of simulated worlds
+    RangeNoise noise = RangeNoise::measured;  ///< of simulated worlds
 };
 
 /// Scans of one input, in memory.

@@ -4,8 +4,10 @@
 /// Navigation as in Sec. V-B of the paper: scans come at the sensor's rate, and
 /// those that come while the map is being updated are lost.
 
+#include <superray/eval/accuracy_score.h>
 #include <superray/eval/bench_engine.h>
 #include <superray/eval/progress_meter.h>
+#include <superray/eval/test_points.h>
 
 #include <cstdint>
 #include <iosfwd>
@@ -13,12 +15,6 @@
 #include <vector>
 
 namespace superray {
-
-/// Which points the maps are built from. Test points are the same in both.
-enum class TrainingPoints : std::uint8_t {
-    share,  ///< those that are not test points
-    all     ///< whole scans: the time that a robot would need
-};
 
 struct RealtimeRequest {
     std::string data;  ///< see PointScanRequest
@@ -29,36 +25,29 @@ struct RealtimeRequest {
     std::vector<std::string> engines;
     std::vector<unsigned> threads = {1};
     UpdatePolicy policy = UpdatePolicy::netEvidence;
+    PeerModel peerModel = PeerModel::shared;
     TrainingPoints training = TrainingPoints::share;
     /// [MB] that our maps take before the first scan, as a robot's would; see
     /// TCreationOptions::reserve_megabytes.
     std::uint32_t reserveMegabytes = 256;
     double testShare = 0.2;      ///< in (0, 1): of the points of each scan
     std::uint64_t testSeed = 1;  ///< of the choice of test points
+    SplitOptions split() const { return {resolution, training, testShare, testSeed}; }
     /// \throws InputError, std::invalid_argument
     void validate() const;
 };
 
-/// Agreement of a map with test points.
-struct MapAccuracy {
-    std::uint64_t tested = 0;   ///< points
-    std::uint64_t correct = 0;  ///< p > 0.7 where occupied, p < 0.3 where free
-    std::uint64_t unknown = 0;  ///< of those that are not correct
-    double share() const {
-        return tested == 0 ? 0 : static_cast<double>(correct) / static_cast<double>(tested);
-    }
-};
-
 struct RealtimeRun {
     std::string engine;
+    std::string weights;  ///< what its probabilities really come to, a line of text
     unsigned threads = 1;
     std::uint64_t scansUsed = 0, scansLost = 0;
     std::vector<double> updateMs;  ///< elapsed time of each scan used
-    MapAccuracy occupied;          ///< at end points of test rays
-    MapAccuracy free;              ///< at points drawn along test rays
-    MapAccuracy all() const {
-        return {occupied.tested + free.tested, occupied.correct + free.correct,
-                occupied.unknown + free.unknown};
+    ClassScore occupied;           ///< at end points of test rays
+    ClassScore free;               ///< at points drawn along test rays
+    ClassScore all() const {
+        ClassScore sum = occupied;
+        return sum += free;
     }
 };
 
@@ -67,21 +56,6 @@ struct RealtimeRun {
 /// \return their numbers
 std::vector<std::size_t> replayAtRate(std::size_t scans, double rate,
                                       const std::function<double(std::size_t)>& update);
-
-/// A point of which the truth is taken as known.
-struct TestPoint {
-    Eigen::Vector3f point;
-    bool occupied;
-};
-
-/// Scans parted for training and testing.
-struct TrainTestSplit {
-    std::vector<PointScan> training;  ///< as many as there are scans
-    std::vector<TestPoint> tests;     ///< of all scans
-};
-/// The end points of test rays are occupied; on each test ray one free point is
-/// drawn, evenly, at least two cells before the end (none on shorter rays).
-TrainTestSplit splitScans(const std::vector<PointScan>& scans, const RealtimeRequest& request);
 
 /// Runs the engines one after the other. The clock is simulated: the measured
 /// time of an update decides which scans are lost, and nobody waits.

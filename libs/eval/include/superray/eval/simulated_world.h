@@ -7,6 +7,7 @@
 #include <mrpt/poses/CPose3D.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -23,11 +24,23 @@ struct SimulatedScan {
     std::vector<Eigen::Vector3f> points;  ///< end points [m, sensor frame]
 };
 
-/// A world like the paper's, the same for the same name and seed:
+/// Whether end points have the sensor's noise, or lie on the surface.
+enum class RangeNoise : std::uint8_t { measured, none };
+
+/// What a surface belongs to.
+enum class SolidKind : std::uint8_t { fixed, walker, removed };
+
+/// A world, the same for the same name and seed. Like those of the paper:
 ///
 ///  - `indoor`: a corridor with furnished rooms; 66 scans of 89,446 points;
 ///  - `outdoor`: a campus with buildings, trees, poles and cars on sloping
 ///    ground; 81 scans of 247,817 points, ranges to 80 m.
+///
+/// And one with moving things:
+///
+///  - `walker`: a hall, a sensor that stands still, a cylinder that walks by in
+///    steps of 0.12 m a scan, and a box that is gone after half of the scans;
+///    60 scans of 131,072 points.
 ///
 /// The sensor spins: columns of beams, one after the other. Beams that meet
 /// nothing within its range give no point; of the others, evenly chosen, the
@@ -52,16 +65,30 @@ class SimulatedWorld {
     /// Range noise never exceeds this [m].
     double largestNoise() const;
     /// Any scan, in any order. \pre index < scanCount()
-    SimulatedScan scan(std::size_t index) const;
+    SimulatedScan scan(std::size_t index, RangeNoise noise = RangeNoise::measured) const;
 
-    // Ground truth, map frame [m].
+    // Ground truth, map frame [m], as it is during a scan. \pre scan < scanCount()
     /// True if the point lies in a solid (or in the ground).
-    bool occupied(const Eigen::Vector3d& point) const;
+    bool occupied(const Eigen::Vector3d& point, std::size_t scan = 0) const;
+    /// True if a closed box shares a point with a solid (or with the ground).
+    bool touches(const Eigen::AlignedBox3d& box, std::size_t scan = 0) const;
+    /// The same for each of parts^3 equal parts of a box; x counts fastest, then y.
+    std::vector<bool> touchedParts(const Eigen::AlignedBox3d& box, int parts,
+                                   std::size_t scan = 0) const;
     /// Distance from `origin` (in free space) to the first surface along
     /// `direction`; nothing if there is none within the sensor's range.
     /// \pre direction has length > 0 and is not vertical
     std::optional<double> castRay(const Eigen::Vector3d& origin,
-                                  const Eigen::Vector3d& direction) const;
+                                  const Eigen::Vector3d& direction, std::size_t scan = 0) const;
+
+    // Of worlds with moving things.
+    bool moves() const;
+    /// True if a closed box shares a point with what is there in every scan.
+    bool touchesFixed(const Eigen::AlignedBox3d& box) const;
+    /// Whose surface the point is on, to a millimetre.
+    SolidKind kindOfSurface(const Eigen::Vector3d& point, std::size_t scan) const;
+    /// First scan without the removed box. \pre moves()
+    std::size_t removalScan() const;
 
  private:
     struct Impl;

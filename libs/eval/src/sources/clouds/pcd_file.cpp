@@ -4,12 +4,10 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
-#include <sstream>
 #include <vector>
 
 #include "sources/clouds/cloud_files.h"
+#include "sources/clouds/file_bytes.h"
 #include "sources/clouds/scalar_field.h"
 #include "sources/text_numbers.h"
 
@@ -30,18 +28,11 @@ struct Header {
     std::array<double, 7> viewpoint{0, 0, 0, 1, 0, 0, 0};  // x y z, quaternion w x y z
 };
 
-std::vector<std::string> wordsOf(const std::string& line) {
-    std::istringstream in(line);
-    return {std::istream_iterator<std::string>(in), {}};
-}
+constexpr double kMostPoints = 1e9;
 
 class PcdReader {
  public:
-    explicit PcdReader(const std::string& path) : path_(path) {
-        std::ifstream file(path, std::ios::binary);
-        if (!file) throw InputError(path + ": cannot be opened for reading");
-        bytes_.assign(std::istreambuf_iterator<char>(file), {});
-    }
+    explicit PcdReader(const std::string& path) : path_(path), bytes_(readFileBytes(path)) {}
 
     CloudFile read() {
         readHeader();
@@ -55,11 +46,13 @@ class PcdReader {
                 fail("it ends early: " + std::to_string(header_.points) + " points of " +
                      std::to_string(header_.pointBytes) + " bytes do not fit its size");
             readRecords(bytes_.data() + at_, *cloud.points);
+            at_ += expected;
         } else if (header_.data == "binary_compressed") {
             readCompressed(*cloud.points);
         } else {
             fail("DATA '" + header_.data + "': must be ascii, binary or binary_compressed");
         }
+        if (!isPadding(bytes_, at_)) fail("other data follow its points");
         cloud.points->mark_as_modified();
         cloud.viewpoint = viewpoint();
         return cloud;
@@ -82,8 +75,8 @@ class PcdReader {
     std::uint64_t wholeNumber(const std::string& word, const std::string& what) const {
         const auto number = parseNumbers(word);
         if (!number || number->size() != 1 || !(number->front() >= 0) ||
-            number->front() > 1e12 || std::floor(number->front()) != number->front())
-            fail(what + " '" + word + "' must be a whole number");
+            number->front() > kMostPoints || std::floor(number->front()) != number->front())
+            fail(what + " '" + word + "' must be a whole number of at most 1e9");
         return static_cast<std::uint64_t>(number->front());
     }
 
@@ -143,7 +136,8 @@ class PcdReader {
         if ((type != "I" && type != "U" && type != "F") || !field.scalar.isValid())
             fail("field '" + name + "' of TYPE " + type + " and SIZE " + size +
                  ": unknown kind of number");
-        if (field.count > 1u << 20) fail("COUNT " + count + ": at most 1048576");
+        if (field.count > 1u << 20 || header_.fields.size() > 1000)
+            fail("it has more than 1000 fields, or COUNT " + count + " of more than 1048576");
         header_.pointBytes += field.scalar.bytes * field.count;
         header_.columns += field.count;
         header_.fields.push_back(field);
@@ -158,8 +152,9 @@ class PcdReader {
     /// Number of the value of a field in a row of text.
     std::size_t columnOf(const std::string& name) const {
         std::size_t column = 0;
+        const Field& wanted = fieldOf(name);
         for (const Field& f : header_.fields) {
-            if (f.name == name) return column;
+            if (&f == &wanted) return column;
             column += f.count;
         }
         return column;
@@ -180,7 +175,7 @@ class PcdReader {
                 points.insertPointFast(value(words[x]), value(words[y]), value(words[z]));
                 ++rows;
             }
-            at_ = end + 1;
+            at_ = std::min(end + 1, bytes_.size());
         }
         if (rows != header_.points)
             fail("it has " + std::to_string(rows) + " of " + std::to_string(header_.points) +
@@ -216,6 +211,7 @@ class PcdReader {
                  std::to_string(header_.pointBytes) + " bytes have " +
                  std::to_string(expected));
         const std::string data = decompress(bytes_.data() + at_, sizes[0], sizes[1]);
+        at_ += sizes[0];
         const auto plane = [&](const Field& f) {
             return data.data() + f.scalar.offset * header_.points;
         };
@@ -256,7 +252,7 @@ class PcdReader {
             if (back > out.size()) fail("its compressed data are damaged");
             for (std::size_t k = 0; k < length; ++k) out.push_back(out[out.size() - back]);
         }
-        if (out.size() != expected) fail("its compressed data are damaged");
+        if (out.size() != expected || i != size) fail("its compressed data are damaged");
         return out;
     }
 

@@ -2,24 +2,31 @@
 #include <superray/eval/input_error.h>
 
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <vector>
 
 #include "sources/clouds/cloud_files.h"
+#include "sources/clouds/file_bytes.h"
 #include "sources/clouds/scalar_field.h"
 #include "sources/text_numbers.h"
 
 namespace superray {
 namespace {
 
+/// A number; or a list: its length, then as many numbers.
+struct Property {
+    ScalarField value;
+    std::optional<ScalarField> length;
+};
+
 struct Element {
     std::string name;
     std::uint64_t count = 0;
-    std::size_t bytes = 0, columns = 0;
+    std::size_t bytes = 0;  ///< of a record, without lists
     bool hasList = false;
+    std::vector<Property> properties;
     std::map<std::string, ScalarField> fields;
     std::map<std::string, std::size_t> columnOf;
 };
@@ -40,13 +47,11 @@ std::optional<ScalarField> typeNamed(const std::string& name) {
     return found->second;
 }
 
+constexpr std::size_t kMostDeclared = 1000;  // elements, properties of one
+
 class PlyReader {
  public:
-    explicit PlyReader(const std::string& path) : path_(path) {
-        std::ifstream file(path, std::ios::binary);
-        if (!file) throw InputError(path + ": cannot be opened for reading");
-        bytes_.assign(std::istreambuf_iterator<char>(file), {});
-    }
+    explicit PlyReader(const std::string& path) : path_(path), bytes_(readFileBytes(path)) {}
 
     CloudFile read() {
         readHeader();
@@ -55,21 +60,22 @@ class PlyReader {
         for (const Element& element : elements_) {
             const bool isVertex = element.name == "vertex";
             if (isVertex) {
+                if (found_) fail("it has a second element vertex");
                 for (const char* axis : {"x", "y", "z"})
                     if (element.fields.count(axis) == 0)
                         fail(std::string("its vertices have no ") + axis);
+                if (element.hasList) fail("its vertices have a list");
             }
-            // What follows the vertices (faces) is checked for its number of lines only.
-            if (element.hasList && !found_) fail("a list comes before the vertices' end");
             if (format_ == "ascii")
                 readText(element, isVertex ? cloud.points.get() : nullptr);
-            else if (!element.hasList)
+            else if (element.hasList)
+                skipLists(element);
+            else
                 readBinary(element, isVertex ? cloud.points.get() : nullptr);
             found_ = found_ || isVertex;
-            // Lists have no fixed size: what follows them is not looked at.
-            if (element.hasList && element.count > 0 && format_ != "ascii") break;
         }
         if (!found_) fail("it has no element vertex");
+        if (!isPadding(bytes_, at_)) fail("other data follow its elements");
         cloud.points->mark_as_modified();
         return cloud;
     }
@@ -99,6 +105,7 @@ class PlyReader {
             if (key == "element") {
                 Element element;
                 if (!(line >> element.name >> element.count)) fail("a bad line 'element'");
+                if (elements_.size() == kMostDeclared) fail("it has too many elements");
                 elements_.push_back(element);
             }
             if (key == "property") addProperty(line);
@@ -111,18 +118,28 @@ class PlyReader {
     void addProperty(std::istringstream& line) {
         if (elements_.empty()) fail("a property before any element");
         Element& element = elements_.back();
-        std::string type, name;
-        line >> type >> name;
-        if (type == "list") {
-            element.hasList = true;
-            return;
-        }
+        std::string type, lengthType, name;
+        line >> type;
+        const bool isList = type == "list";
+        if (isList) line >> lengthType >> type;
+        line >> name;
         auto field = typeNamed(type);
         if (!field || name.empty()) fail("unknown type of property '" + type + "'");
-        field->offset = element.bytes;
-        element.bytes += field->bytes;
-        element.columnOf[name] = element.columns++;
-        element.fields[name] = *field;
+        if (element.properties.size() == kMostDeclared) fail("it has too many properties");
+        Property property{*field, std::nullopt};
+        if (isList) {
+            element.hasList = true;
+            property.length = typeNamed(lengthType);
+            if (!property.length || property.length->kind == ScalarKind::real)
+                fail("unknown type of a list's length '" + lengthType + "'");
+        } else {
+            field->offset = element.bytes;
+            element.bytes += field->bytes;
+            element.columnOf[name] = element.properties.size();
+            if (!element.fields.emplace(name, *field).second)
+                fail("a second property '" + name + "'");
+        }
+        element.properties.push_back(property);
     }
 
     void readText(const Element& element, mrpt::maps::CSimplePointsMap* points) {
@@ -130,10 +147,10 @@ class PlyReader {
             std::string line = nextLine("list of elements");
             if (points == nullptr) continue;
             const auto words = wordsOf(line);
-            if (words.size() != element.columns)
+            if (words.size() != element.properties.size())
                 fail("vertex " + std::to_string(i + 1) + " has " +
                      std::to_string(words.size()) + " values, must have " +
-                     std::to_string(element.columns));
+                     std::to_string(element.properties.size()));
             const auto at = [&](const char* axis) {
                 const std::string& word = words[element.columnOf.at(axis)];
                 if (word.find("nan") != std::string::npos) return std::nanf("");
@@ -145,24 +162,45 @@ class PlyReader {
         }
     }
 
-    static std::vector<std::string> wordsOf(const std::string& line) {
-        std::istringstream in(line);
-        return {std::istream_iterator<std::string>(in), {}};
+    ByteOrder order() const {
+        return format_ == "binary_big_endian" ? ByteOrder::big : ByteOrder::little;
+    }
+
+    /// Goes to the end of elements of which each has its own size (faces).
+    void skipLists(const Element& element) {
+        const auto skip = [&](std::uint64_t count, const ScalarField& each) {
+            if (count > (bytes_.size() - at_) / each.bytes)
+                fail("it ends early, in a list of " + element.name);
+            at_ += count * each.bytes;
+        };
+        for (std::uint64_t i = 0; i < element.count; ++i)
+            for (const Property& property : element.properties) {
+                float length = 1;
+                if (property.length) {
+                    const auto at = at_;
+                    skip(1, *property.length);
+                    length = property.length->read(bytes_.data() + at, order());
+                    if (!(length >= 0)) fail("a list of negative length");
+                }
+                skip(static_cast<std::uint64_t>(length), property.value);
+            }
     }
 
     void readBinary(const Element& element, mrpt::maps::CSimplePointsMap* points) {
-        const auto order = format_ == "binary_big_endian" ? ByteOrder::big : ByteOrder::little;
         const std::size_t left = bytes_.size() - at_;
         if (element.bytes > 0 && element.count > left / element.bytes)
             fail("it ends early: " + std::to_string(element.count) + " of " + element.name +
                  " do not fit its size");
-        if (points != nullptr) points->reserve(element.count);
+        if (points == nullptr) {
+            at_ += element.count * element.bytes;
+            return;
+        }
+        points->reserve(element.count);
         for (std::uint64_t i = 0; i < element.count; ++i, at_ += element.bytes) {
-            if (points == nullptr) continue;
             const char* record = bytes_.data() + at_;
-            points->insertPointFast(element.fields.at("x").read(record, order),
-                                    element.fields.at("y").read(record, order),
-                                    element.fields.at("z").read(record, order));
+            points->insertPointFast(element.fields.at("x").read(record, order()),
+                                    element.fields.at("y").read(record, order()),
+                                    element.fields.at("z").read(record, order()));
         }
     }
 

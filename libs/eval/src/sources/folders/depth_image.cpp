@@ -55,6 +55,7 @@ struct Decoder {
 }  // namespace
 
 mrpt::math::CMatrixDynamic<std::uint16_t> readDepthPng(const std::string& path) {
+    requireRegularFile(path);
     const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
     if (!file) throw InputError(path + ": cannot be opened for reading");
     Decoder decoder;
@@ -62,15 +63,16 @@ mrpt::math::CMatrixDynamic<std::uint16_t> readDepthPng(const std::string& path) 
                                          Decoder::onWarning);
     decoder.info = decoder.png != nullptr ? png_create_info_struct(decoder.png) : nullptr;
     if (decoder.info == nullptr) throw std::bad_alloc();
+    constexpr std::uint32_t kLargest = 16384;
+    constexpr std::size_t kMostChunk = 8'000'000;  // bytes, of a text or a profile
+    png_set_user_limits(decoder.png, kLargest, kLargest);
+    png_set_chunk_malloc_max(decoder.png, kMostChunk);
     const auto fail = [&](const std::string& why) {
         throw InputError(path + ": is not a whole depth image: " + why);
     };
     if (!decoder.readHeader(file.get())) fail(decoder.message);
-    constexpr std::uint32_t kLargest = 16384;
     if (decoder.depth != 16 || decoder.colour != PNG_COLOR_TYPE_GRAY)
         fail("it must be a PNG of one channel of 16 bits");
-    if (decoder.columns > kLargest || decoder.rows > kLargest)
-        fail("it must have at most 16384 pixels a side");
     std::vector<std::uint16_t> values(std::size_t{decoder.columns} * decoder.rows);
     std::vector<png_bytep> rowPointers(decoder.rows);
     for (std::size_t r = 0; r < decoder.rows; ++r)

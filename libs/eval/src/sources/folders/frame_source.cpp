@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <memory>
 #include <utility>
 
 #include "sources/folders/kitti_files.h"
+#include "sources/read_guard.h"
 
 namespace superray {
 namespace {
@@ -39,6 +41,7 @@ class FrameSource final : public ScanSource {
             throwNoScanHasPose(recording_.path, options, first, last,
                                track_.empty() ? nullptr : &track_);
         recording_.frames = std::move(posed);
+        if (recording_.guarded) startGuard();
     }
 
     std::uint64_t total() const override { return recording_.frames.size(); }
@@ -48,6 +51,7 @@ class FrameSource final : public ScanSource {
 
     std::optional<Scan> next() override {
         if (next_ == recording_.frames.size()) return std::nullopt;
+        if (guard_) guard_->next();
         const Frame& frame = recording_.frames[next_++];
         auto observation = recording_.read(frame);
         observation->sensorLabel = recording_.label;
@@ -56,6 +60,24 @@ class FrameSource final : public ScanSource {
     }
 
  private:
+    /// The child has a copy of the frames as they are now.
+    void startGuard() {
+        std::uint64_t bytes = 0;
+        for (const Frame& frame : recording_.frames) {
+            std::error_code error;
+            const auto size = fs::file_size(frame.file, error);
+            if (!error) bytes += size;
+        }
+        const auto readAhead = [this]() -> ReadGuard::Step {
+            return [this, next = std::size_t{0}]() mutable {
+                if (next == recording_.frames.size()) return false;
+                recording_.read(recording_.frames[next++]);
+                return true;
+            };
+        };
+        guard_ = std::make_unique<ReadGuard>(recording_.path, readAhead, bytes);
+    }
+
     void givePoses(const ScanSourceOptions& options) {
         auto& frames = recording_.frames;
         summary_ = recording_.ownPoses;
@@ -118,6 +140,7 @@ class FrameSource final : public ScanSource {
     PoseTrack track_;
     PoseSummary summary_;
     SkippedObservations skipped_;
+    std::unique_ptr<ReadGuard> guard_;
     std::size_t next_ = 0;
 };
 

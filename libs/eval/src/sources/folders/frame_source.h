@@ -30,6 +30,7 @@ struct FrameRecording {
     PoseSummary ownPoses;       ///< of T_map_robot, without times
     /// Reads the points or the image of a frame; the rest is filled in. \throws InputError
     std::function<mrpt::obs::CObservation::Ptr(const Frame&)> read;
+    bool guarded = false;  ///< read() lets another library decode: see ReadGuard
 };
 
 /// With a poses file: by time, or, where no time fits and there are as many poses as

@@ -4,6 +4,11 @@
 #include <mrpt/math/CMatrixFixed.h>
 #include <superray/eval/input_error.h>
 
+#include <fstream>
+
+#include "sources/text_numbers.h"
+#include "text/text_input.h"
+
 namespace superray {
 
 namespace fs = std::filesystem;
@@ -11,8 +16,7 @@ using Eigen::Isometry3d;
 
 void forEachLine(const fs::path& path,
                  const std::function<void(const std::string&, const std::string&)>& visit) {
-    std::ifstream file(path);
-    if (!file) throw InputError(path.string() + ": cannot be opened for reading");
+    std::istringstream file = openTextInput(path.string(), LastLine::mustEnd);
     std::string line;
     for (std::size_t number = 1; std::getline(file, line); ++number)
         if (!isCommentLine(line)) visit(line, path.string() + ":" + std::to_string(number));
@@ -47,7 +51,7 @@ mrpt::poses::CPose3D toPose(const Isometry3d& T) {
 }
 
 bool isKittiPoses(const std::string& path) {
-    std::ifstream file(path);
+    std::istringstream file = openTextInput(path, LastLine::any);
     std::string line;
     while (std::getline(file, line)) {
         if (isCommentLine(line)) continue;
@@ -67,6 +71,7 @@ std::vector<mrpt::poses::CPose3D> readKittiPoses(const std::string& path) {
 
 mrpt::maps::CSimplePointsMap::Ptr readKittiPoints(const fs::path& path) {
     constexpr std::size_t kPointBytes = 4 * sizeof(float);  // x y z reflectance
+    requireRegularFile(path.string());
     const auto bytes = fs::file_size(path);
     if (bytes % kPointBytes != 0)
         throw InputError(path.string() + ": is truncated: its size " + std::to_string(bytes) +

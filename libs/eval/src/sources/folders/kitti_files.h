@@ -8,16 +8,14 @@
 
 #include <Eigen/Geometry>
 #include <filesystem>
-#include <fstream>
+#include <functional>
 #include <string>
 #include <vector>
-
-#include "sources/text_numbers.h"
 
 namespace superray {
 
 /// Calls `visit(line, where)` for every line with data of a text file.
-/// \throws InputError if it cannot be opened
+/// \throws InputError as openTextInput(); its last line must end
 void forEachLine(const std::filesystem::path& path,
                  const std::function<void(const std::string&, const std::string&)>& visit);
 

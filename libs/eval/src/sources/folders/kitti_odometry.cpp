@@ -5,6 +5,7 @@
 #include <superray/eval/input_error.h>
 
 #include <charconv>
+#include <cmath>
 #include <map>
 
 #include "sources/folders/frame_source.h"
@@ -19,8 +20,9 @@ using Eigen::Isometry3d;
 Isometry3d readCalibration(const fs::path& path) {
     std::optional<Isometry3d> T_cam_velo;
     forEachLine(path, [&](const std::string& line, const std::string& where) {
-        if (line.rfind("Tr:", 0) == 0)
-            T_cam_velo = fromRowMajor(numbersOrThrow(line.substr(3), where), where);
+        if (line.rfind("Tr:", 0) != 0) return;
+        if (T_cam_velo) throw InputError(where + ": second row 'Tr:'");
+        T_cam_velo = fromRowMajor(numbersOrThrow(line.substr(3), where), where);
     });
     if (!T_cam_velo)
         throw InputError(path.string() + ": has no row 'Tr:' (Velodyne to camera 0)");
@@ -70,7 +72,9 @@ std::map<std::size_t, fs::path> listScans(const fs::path& folder) {
         const auto [rest, bad] = std::from_chars(name.data(), name.data() + name.size(), frame);
         if (bad != std::errc{} || rest != name.data() + name.size() || frame > kMostFrames)
             throw InputError(path.string() + ": is not named by its frame number");
-        files[frame] = path;
+        if (!files.emplace(frame, path).second)
+            throw InputError(path.string() + ": frame " + std::to_string(frame) +
+                             " is there twice, see " + files[frame].string());
     }
     if (files.empty())
         throw InputError(folder.string() +
@@ -79,12 +83,16 @@ std::map<std::size_t, fs::path> listScans(const fs::path& folder) {
 }
 
 std::vector<Trajectory::Time> readTimes(const fs::path& folder, std::size_t frames) {
-    constexpr double kPeriod = 0.1;  // s, of KITTI's Velodyne
+    constexpr double kLargestTime = 1e11;  // s, that MRPT's clock counts
+    constexpr double kPeriod = 0.1;        // s, of KITTI's Velodyne
     std::vector<Trajectory::Time> times;
     if (fs::exists(folder / "times.txt")) {
         forEachLine(folder / "times.txt", [&](const std::string& l, const std::string& at) {
             const auto values = numbersOrThrow(l, at);
             if (values.size() != 1) throw InputError(at + ": must be one number");
+            if (!(std::abs(values.front()) <= kLargestTime))
+                throw InputError(at + ": time " + std::to_string(values.front()) +
+                                 " must be in seconds, at most 1e11");
             times.push_back(mrpt::Clock::fromDouble(values.front()));
         });
         checkCount(folder / "times.txt", "times", times.size(), frames);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <utility>
 
 #include "sources/folders/frame_source.h"
 #include "sources/folders/kitti_files.h"
@@ -85,8 +86,11 @@ CPose3D velodyneOnImu(const fs::path& folder) {
         if (!fs::exists(path)) continue;
         std::vector<double> R, T;
         forEachLine(path, [&](const std::string& line, const std::string& where) {
-            if (line.rfind("R:", 0) == 0) R = numbersOrThrow(line.substr(2), where);
-            if (line.rfind("T:", 0) == 0) T = numbersOrThrow(line.substr(2), where);
+            for (const auto& [key, row] : {std::pair{"R:", &R}, std::pair{"T:", &T}}) {
+                if (line.rfind(key, 0) != 0) continue;
+                if (!row->empty()) throw InputError(where + ": second row '" + key + "'");
+                *row = numbersOrThrow(line.substr(2), where);
+            }
         });
         if (R.size() != 9 || T.size() != 3)
             throw InputError(path.string() + ": must have rows R: (9 numbers) and T: (3)");

@@ -93,6 +93,7 @@ std::unique_ptr<ScanSource> openRgbd(const fs::path& folder, const ScanSourceOpt
         options.poses = PoseOrigin::file;
         options.posesFile = findGroundTruth(folder).string();
     }
+    recording.guarded = true;  // libpng
     const bool ofCamera = options.poses == PoseOrigin::file;
     recording.read = [camera = asked.depthCamera, ofCamera](const Frame& frame) {
         auto scan = readImage(frame, camera);

@@ -2,7 +2,6 @@
 #include "sources/poses/pose_assignment.h"
 
 #include <algorithm>
-#include <chrono>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -15,10 +14,6 @@ namespace {
 
 using mrpt::poses::CPose3D;
 using Time = PoseTrack::Time;
-
-double secondsBetween(Time from, Time to) {
-    return std::chrono::duration<double>(to - from).count();
-}
 
 /// False if no time is known, or most are the same.
 bool stampsTell(const std::vector<Place>& places) {

@@ -2,23 +2,12 @@
 #include "sources/poses/pose_chooser.h"
 
 #include <superray/eval/input_error.h>
+#include <superray/maps/option_text.h>
 
 #include <algorithm>
-#include <sstream>
 
 namespace superray {
 namespace {
-
-std::vector<std::string> splitLabels(const std::string& text) {
-    std::vector<std::string> labels;
-    std::istringstream list(text);
-    for (std::string entry; std::getline(list, entry, ',');) {
-        const auto first = entry.find_first_not_of(" \t");
-        const auto last = entry.find_last_not_of(" \t");
-        if (first != std::string::npos) labels.push_back(entry.substr(first, last - first + 1));
-    }
-    return labels;
-}
 
 std::string listLabels(const PoseStreamsByLabel& all) {
     std::string text;
@@ -57,7 +46,7 @@ PoseChooser::PoseChooser(const PoseStreams& streams, const ScanSourceOptions& op
                          const std::string& what)
     : streams_(streams),
       origin_(options.poses),
-      labels_(splitLabels(options.poseLabel)),
+      labels_(splitList(options.poseLabel)),
       what_(what) {
     for (const auto& label : labels_) {
         const bool known =

@@ -26,7 +26,8 @@ struct PoseCandidate {
 
 class PoseChooser {
  public:
-    /// \throws InputError if a label is asked for that is not there: lists those that are
+    /// \throws InputError if the recording has no poses of a label in the options; the message
+    ///         lists the labels that it has
     PoseChooser(const PoseStreams& streams, const ScanSourceOptions& options,
                 const std::string& what);
 

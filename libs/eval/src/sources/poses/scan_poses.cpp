@@ -4,7 +4,6 @@
 #include <superray/eval/input_error.h>
 #include <superray/eval/trajectory.h>
 
-#include <chrono>
 #include <optional>
 #include <utility>
 
@@ -33,10 +32,6 @@ class TimeSpan {
  private:
     std::optional<Time> first_, last_;
 };
-
-double secondsBetween(Time from, Time to) {
-    return std::chrono::duration<double>(to - from).count();
-}
 
 /// All that a recording has a time of.
 TimeSpan spanOf(const RecordedPoses& recorded) {

@@ -30,6 +30,10 @@ namespace superray {
 /// called, but the cells do not follow. Assigning through a CPointsMap& copies the
 /// cells, too, or throws std::invalid_argument if the other map is not of this class;
 /// from MRPT 2.13.2 on, it clears the cells and copies bare points.
+///
+/// When memory runs out in an insertion, the cells are as in CSuperRayMapBase, and each
+/// point is made anew at the centre of its cell (or there is none until the next scan).
+/// Threads: as CSuperRayMapBase.
 template <int Dim>
 class CSuperRayPointsMap : public AssignablePointsMap {
  public:
@@ -57,7 +61,8 @@ class CSuperRayPointsMap : public AssignablePointsMap {
     CSuperRayPointsMap& operator=(const CSuperRayPointsMap& other);
 
     // For the subclasses' serializeTo / serializeFrom.
-    static constexpr std::uint8_t kSerialVersion = 0;
+    // Version 1: the points are one block of bytes with a checksum.
+    static constexpr std::uint8_t kSerialVersion = 1;
     void writeTo(mrpt::serialization::CArchive& out) const;
     /// On any error throws and leaves the map untouched.
     void readFrom(mrpt::serialization::CArchive& in, std::uint8_t version);
@@ -89,6 +94,10 @@ class CSuperRayPointsMap : public AssignablePointsMap {
     void addPoint(const Source& source, const std::array<float, 3>& position);
     void removePoint(std::uint32_t index);
     void forgetPoints();
+    template <class Change>
+    void remakeOnFailure(const Change& change);
+    void readPoint(const Source& source, const std::array<float, 3>& position);
+    void requireInCell(const Source& source, const std::array<float, 3>& position) const;
     std::uint32_t& pointAt(const Cell<Dim>& cell);
 
     std::unique_ptr<Occupancy> occupancy_;

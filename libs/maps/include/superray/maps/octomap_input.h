@@ -25,13 +25,22 @@ struct OctomapFile {
     std::string note;  ///< what of the file was left out (colours); else empty
 };
 
+/// What a file may ask for. A few bytes can stand for 2^48 cells: of a file that its
+/// size does not account for, cells are refused before they are made.
+struct OctomapLimits {
+    std::uint64_t fileBytes = std::uint64_t{4} << 30;
+    std::uint64_t cells = 1'000'000'000;
+    std::uint64_t cellsOfAnyFile = std::uint64_t{1} << 24;
+    std::uint64_t cellsPerByte = 1024;
+};
+
 /// True if the file begins as OctoMap's trees do, whatever its name.
 bool isOctomapFile(const std::string& path);
 
 /// Reads an OcTree or ColorOcTree file; which of the two formats is told by its first
 /// line. Pruned leaves become all the cells that they stand for.
 /// \throws MapFileError naming the file and what is wrong: not such a tree, truncated,
-///         deeper than 16 levels, not the announced size, more than 10^9 cells
-OctomapFile loadOctomapFile(const std::string& path);
+///         deeper than 16 levels, not the announced size, more than the limits
+OctomapFile loadOctomapFile(const std::string& path, const OctomapLimits& limits = {});
 
 }  // namespace superray

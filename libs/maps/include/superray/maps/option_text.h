@@ -31,6 +31,9 @@ void parseValue(const std::string& text, UpdatePolicy& value);
 void parseValue(const std::string& text, Method& value);
 void parseValue(const std::string& text, VoxelColour& value);
 
+/// The entries of a comma-separated list, without blanks around them; empty ones are left out.
+std::vector<std::string> splitList(const std::string& text);
+
 /// The candidate with the fewest edits from `word`, ignoring case.
 std::string closestTo(const std::string& word, const std::vector<std::string>& candidates);
 

@@ -11,6 +11,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <utility>
 
 namespace superray {
 
@@ -43,6 +44,18 @@ struct PoseAnswer {
 mrpt::poses::CPose3D interpolatePose(const mrpt::poses::CPose3D& a,
                                      const mrpt::poses::CPose3D& b, double fraction);
 
+/// A robot pose in the map frame and its time.
+using TimedPose = std::pair<const mrpt::Clock::time_point, mrpt::poses::CPose3D>;
+
+/// The pose at `time`: the one before or after if its time is within a microsecond (what text
+/// files lose), else interpolatePose() of both.
+/// \param before the last pose before `time`, after: the first one from then on; nullptr: none
+PoseAnswer poseBetween(const TimedPose* before, const TimedPose* after,
+                       mrpt::Clock::time_point time, const PoseLimits& limits);
+
+/// From one time to another [s]; negative if `to` is the earlier one.
+double secondsBetween(mrpt::Clock::time_point from, mrpt::Clock::time_point to);
+
 /// Robot poses in the map frame, ordered by time.
 class PoseTrack {
  public:
@@ -51,8 +64,7 @@ class PoseTrack {
     /// A later pose at the same time replaces the earlier one.
     void add(Time time, const mrpt::poses::CPose3D& T_map_robot);
 
-    /// The robot pose in the map frame at `time`: the stored one if its time is within a
-    /// microsecond (what text files lose), else interpolatePose() of its neighbours.
+    /// poseBetween() the neighbours of `time`.
     PoseAnswer lookUp(Time time, const PoseLimits& limits) const;
 
     /// The pose of lookUp(), if found.

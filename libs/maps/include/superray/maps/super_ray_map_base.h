@@ -42,6 +42,16 @@ class ObstaclePoints;
 /// The public options may be changed at any time: they are validated and take
 /// effect at the next insertion. Errors are std::invalid_argument and leave the
 /// map untouched.
+///
+/// When memory runs out in an insertion (std::bad_alloc), the scan is not counted in
+/// totals(), each block of 8 cells per axis is as it was or as the scan makes it, and
+/// whatever is derived from the cells (views, distances, points) agrees with them. To
+/// undo, insert into a copy: copies share their cells until one of them changes.
+///
+/// Threads: const functions may run beside each other in any number of threads, on one
+/// map or on copies of it. A function that is not const, or writing to the public
+/// options, needs the map for itself: no other call on *that* map meanwhile. Different
+/// maps, copies included, are independent. Observations may be shared by all of them.
 template <int Dim>
 class CSuperRayMapBase : public mrpt::maps::CMetricMap,
                          public SuperRayMapInterface,
@@ -211,6 +221,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     /// Whether cells in which a return lies are missed by other rays of the scan.
     enum class HitCells : std::uint8_t { missedToo, notMissed };
     void integrate(const RayBundle<Dim>& rays, TInsertionReport report, HitCells hitCells);
+    void applyRays(const RayBundle<Dim>& rays, HitCells hitCells, TInsertionReport& report);
     void apply(const UpdateBatch<Dim>& batch);
     void apply(const CellCountMap<Dim>& counts);
     std::shared_ptr<mrpt_viz::COctoMapVoxels> visualization() const;

@@ -88,7 +88,7 @@ struct TSlamOptions {
 
     /// Reads an .ini file; sections that are not there keep their values.
     /// \throws std::invalid_argument for unknown keys, bad values, or a file
-    ///         without any of the sections
+    ///         without any of the sections; InputError if it cannot be read
     void loadFromFile(const std::string& path);
     /// Sections with every option.
     std::string toText() const;

@@ -21,6 +21,16 @@ template <int Dim>
 std::unique_ptr<OccupancyMap<Dim>> makeStorage(StorageType type,
                                                const CellGeometry<Dim>& geometry);
 
+/// What reading may ask for, checked before memory is taken.
+struct MapFileLimits {
+    std::uint64_t fileBytes;  ///< size of a file
+    std::uint64_t mapBytes;   ///< memory of the cells, as the counts in the header say
+
+    /// For each half of the machine's memory or, if the environment variable
+    /// SUPERRAY_MAP_MEGABYTES is a whole number, so many MiB.
+    static MapFileLimits ofThisMachine();
+};
+
 /// Everything but the cells.
 struct MapFileHeader {
     std::string className;  ///< e.g. "CSuperRayGridMap3D"
@@ -36,7 +46,8 @@ std::vector<std::uint8_t> encodeCells(const OccupancyMap<Dim>& map);
 /// Replaces the contents of `map`; on any error throws MapFileError and leaves
 /// it untouched. Sizes are validated before memory is taken.
 template <int Dim>
-void decodeCells(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& map);
+void decodeCells(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& map,
+                 const MapFileLimits& limits = MapFileLimits::ofThisMachine());
 
 /// Writes to a temporary file beside `path`, syncs, renames: a failure leaves
 /// an old file whole. \throws MapFileError
@@ -48,8 +59,9 @@ struct MapFile {
     std::vector<std::uint8_t> cells;  ///< for decodeCells()
 };
 /// Reads and validates the container (magic, version, lengths, checksums).
-/// \throws MapFileError
-MapFile loadMapFile(const std::string& path);
+/// The preamble is checked before the rest is read. \throws MapFileError
+MapFile loadMapFile(const std::string& path,
+                    const MapFileLimits& limits = MapFileLimits::ofThisMachine());
 /// Same, from memory (tests, fuzzing). `name` is used in messages.
 MapFile parseMapFile(const std::uint8_t* data, std::size_t size, const std::string& name);
 

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Recordings with changed, missing and added bytes: an error or a map, never a crash,
+// and neither gigabytes nor minutes.
+
+#include <gtest/gtest.h>
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CActionRobotMovement2D.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
+#include <superray/eval/input_error.h>
+#include <superray/eval/scan_source.h>
+#include <superray/maps/CSuperRayGridMap3D.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
+#include "eval/insert_scans.h"
+#include "eval/recorded_scans.h"
+#include "eval/temp_folder.h"
+#include "gzip_bytes.h"
+
+namespace superray {
+namespace {
+
+using namespace test;
+using mrpt::poses::CPose3D;
+
+template <class Scan>
+typename Scan::Ptr emptyScan(double seconds, const char* label) {
+    auto scan = Scan::Create();
+    scan->timestamp = at(seconds);
+    scan->sensorLabel = label;
+    return scan;
+}
+
+mrpt::obs::CObservation2DRangeScan::Ptr laserScan(double seconds) {
+    auto scan = emptyScan<mrpt::obs::CObservation2DRangeScan>(seconds, "LASER");
+    scan->aperture = 3;
+    scan->maxRange = 20;
+    scan->resizeScanAndAssign(31, 3.0f, true);
+    return scan;
+}
+
+mrpt::obs::CObservation3DRangeScan::Ptr depthImage(double seconds) {
+    auto scan = emptyScan<mrpt::obs::CObservation3DRangeScan>(seconds, "DEPTH");
+    scan->hasRangeImage = true;
+    scan->rangeImage_setSize(6, 8);
+    scan->rangeImage.fill(1500);
+    scan->rangeUnits = 0.001f;
+    scan->cameraParams.ncols = 8;
+    scan->cameraParams.nrows = 6;
+    scan->cameraParams.setIntrinsicParamsFromValues(8, 8, 4, 3);
+    return scan;
+}
+
+mrpt::obs::CObservationRotatingScan::Ptr rotatingScan(double seconds) {
+    auto scan = emptyScan<mrpt::obs::CObservationRotatingScan>(seconds, "ROTATING");
+    scan->rowCount = 2;
+    scan->columnCount = 12;
+    scan->rangeResolution = 0.01;
+    scan->rangeImage.setSize(2, 12);
+    scan->rangeImage.fill(300);
+    scan->azimuthSpan = 2 * M_PI;
+    scan->minRange = 0.1;
+    scan->maxRange = 50;
+    return scan;
+}
+
+mrpt::obs::CObservationVelodyneScan::Ptr velodyneScan(double seconds) {
+    using Scan = mrpt::obs::CObservationVelodyneScan;
+    auto scan = emptyScan<Scan>(seconds, "VELODYNE");
+    scan->calibration = mrpt::obs::VelodyneCalibration::LoadDefaultCalibration("VLP16");
+    Scan::TVelodyneRawPacket packet;
+    std::array<std::uint8_t, sizeof packet> bytes{};
+    for (std::size_t i = 0; i < Scan::BLOCKS_PER_PACKET; ++i) {
+        const std::size_t block = i * sizeof(Scan::raw_block_t);
+        bytes[block] = 0xFF;
+        bytes[block + 1] = 0xEE;
+        for (std::size_t r = 0; r < Scan::SCANS_PER_BLOCK; ++r) bytes[block + 5 + 3 * r] = 4;
+    }
+    std::memcpy(static_cast<void*>(&packet), bytes.data(), bytes.size());
+    packet.laser_return_mode = Scan::RETMODE_STRONGEST;
+    packet.velodyne_model_ID = 0x22;
+    scan->scan_packets = {packet};
+    return scan;
+}
+
+mrpt::obs::CActionCollection::Ptr movement(double seconds) {
+    auto actions = mrpt::obs::CActionCollection::Create();
+    mrpt::obs::CActionRobotMovement2D action;
+    action.timestamp = at(seconds);
+    action.computeFromOdometry(mrpt::poses::CPose2D(0.1, 0, 0.01), {});
+    actions->insert(action);
+    return actions;
+}
+
+std::string bytesOf(const Objects& objects) {
+    mrpt::io::CMemoryStream memory;
+    auto archive = mrpt::serialization::archiveFrom(memory);
+    for (const auto& object : objects) archive << *object;
+    return {static_cast<const char*>(memory.getRawBufferData()),
+            static_cast<std::size_t>(memory.getTotalBytesCount())};
+}
+
+struct Sample {
+    std::string extension, bytes;
+};
+
+/// A recording of each kind of observation, one of pairs, and a simplemap.
+std::vector<Sample> samples() {
+    std::vector<Sample> result;
+    const Objects scans[] = {{makeCloud(1, 1, "LIDAR", 12)},
+                             {laserScan(1)},
+                             {depthImage(1)},
+                             {rotatingScan(1)},
+                             {velodyneScan(1)}};
+    for (const auto& scan : scans) {
+        Objects objects = {makePose(1, CPose3D(0.1, 0.2, 0, 0.1, 0, 0))};
+        objects.push_back(scan[0]);
+        objects.push_back(makeOdometry(2, mrpt::poses::CPose2D(1, 0, 0)));
+        result.push_back({".rawlog", bytesOf(objects)});
+    }
+    auto frame = mrpt::obs::CSensoryFrame::Create();
+    frame->insert(laserScan(1));
+    frame->insert(makeCloud(1, 2, "LIDAR", 5));
+    result.push_back({".rawlog", bytesOf({movement(1), frame})});
+    auto map = mrpt::maps::CSimpleMap::Create();
+    map->insert(mrpt::poses::CPose3DPDFGaussian(CPose3D(1, 2, 0)), *frame);
+    result.push_back({".simplemap", bytesOf({map})});
+    return result;
+}
+
+/// What our programs do with a recording.
+void mapRecording(const std::string& path) {
+    ScanSourceOptions options;
+    insertWhatCanBe(*openScanSource(path, options));
+}
+
+enum class Outcome { mapped, refused, crashed };
+
+/// Maps a recording in a process of its own, with less than a gigabyte and 10 s.
+Outcome outcomeOf(const std::string& path, std::string& how) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+        constexpr rlim_t kSeconds = 10;
+        const struct rlimit most = {kSeconds, kSeconds};
+        ::setrlimit(RLIMIT_CPU, &most);
+        try {
+            mapRecording(path);
+        } catch (const InputError&) {
+            ::_exit(1);
+        } catch (const std::exception& e) {
+            std::fprintf(stderr, "%s\n", e.what());
+            ::_exit(3);
+        }
+        ::_exit(0);
+    }
+    int status = 0;
+    struct rusage usage {};
+    EXPECT_EQ(::wait4(child, &status, 0, &usage), child);
+    constexpr long kGigabyteInKilobytes = 1 << 20;
+    how.clear();
+    if (usage.ru_maxrss > kGigabyteInKilobytes)
+        how = std::to_string(usage.ru_maxrss) + " kB";
+    else if (WIFSIGNALED(status))
+        how = ::strsignal(WTERMSIG(status));
+    else if (WEXITSTATUS(status) > 1)
+        how = "exit code " + std::to_string(WEXITSTATUS(status));
+    if (!how.empty()) return Outcome::crashed;
+    return WEXITSTATUS(status) == 0 ? Outcome::mapped : Outcome::refused;
+}
+
+/// Cuts, flips, wild bytes and numbers, repeated and exchanged parts.
+std::string mutated(std::string bytes, std::mt19937& random) {
+    const auto changes = 1 + random() % 3;
+    for (auto n = changes; n > 0 && bytes.size() > 8; --n) {
+        const std::size_t at = random() % (bytes.size() - 8);
+        switch (random() % 7) {
+            case 0:
+                bytes.resize(at);
+                break;
+            case 1:
+            case 2:
+                bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8));
+                break;
+            case 3:
+                bytes[at] = static_cast<char>(random());
+                break;
+            case 4: {  // a wild count
+                const std::uint32_t wild[] = {0xFFFFFFFFu, 0x7FFFFFFFu, 0x10000000u,
+                                              1u << random() % 32, 0};
+                std::memcpy(&bytes[at], &wild[random() % 5], 4);
+                break;
+            }
+            case 5:
+                bytes.insert(at, bytes.substr(random() % bytes.size(), random() % 64));
+                break;
+            default:
+                bytes.erase(at, 1 + random() % 16);
+        }
+    }
+    return bytes;
+}
+
+TEST(BrokenRecordings, SamplesAreWhole) {
+    const TempFolder folder;
+    std::string how;
+    for (const auto& sample : samples()) {
+        const auto file = folder.write("a" + sample.extension, sample.bytes);
+        EXPECT_EQ(outcomeOf(file, how), Outcome::mapped) << how;
+        const auto zipped = folder.write("b" + sample.extension + ".gz", gzip(sample.bytes));
+        EXPECT_EQ(outcomeOf(zipped, how), Outcome::mapped) << how;
+    }
+}
+
+// SUPERRAY_TEST_MUTATIONS: how many (by hand: 50,000).
+TEST(BrokenRecordings, MutatedOnesDoNoHarm) {
+    const char* wanted = std::getenv("SUPERRAY_TEST_MUTATIONS");
+    const int count = wanted ? std::atoi(wanted) : 700;
+    const auto all = samples();
+    const TempFolder folder;
+    std::mt19937 random(20);
+    int mapped = 0, refused = 0;
+    for (int i = 0; i < count; ++i) {
+        const Sample& sample = all[static_cast<std::size_t>(i) % all.size()];
+        std::string name = "m" + sample.extension;
+        std::string bytes = mutated(sample.bytes, random);
+        if (i % 3 == 1) {  // changed before it is packed
+            bytes = gzip(bytes);
+            name += ".gz";
+        } else if (i % 3 == 2) {  // and after
+            bytes = mutated(gzip(sample.bytes), random);
+            name += ".gz";
+        }
+        std::string how;
+        const auto file = folder.write(name, bytes);
+        const Outcome outcome = outcomeOf(file, how);
+        if (outcome == Outcome::crashed) {
+            const std::string kept = "/tmp/superray-broken-" + std::to_string(i) + name;
+            std::filesystem::copy_file(file, kept,
+                                       std::filesystem::copy_options::overwrite_existing);
+            ADD_FAILURE() << how << ": " << kept;
+        }
+        mapped += outcome == Outcome::mapped;
+        refused += outcome == Outcome::refused;
+    }
+    EXPECT_GT(mapped, count / 20);
+    EXPECT_GT(refused, count / 4);
+    std::printf("%d mapped, %d refused\n", mapped, refused);
+}
+
+}  // namespace
+}  // namespace superray

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+/// \file failing_allocations.h
+/// Memory that runs out on purpose: replaces operator new of the program. Include it in one
+/// source file of a test program.
+
+#include <atomic>
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+namespace superray::test {
+
+/// Allocations of at least `leastSize` bytes fail once `allowed` of them have succeeded.
+struct FailingAllocations {
+    std::atomic<std::size_t> leastSize{0};
+    std::atomic<int> allowed{-1};  ///< -1: no limit
+    std::atomic<int> asked{0}, refused{0};
+
+    void refuseSome(std::size_t bytes) {
+        if (bytes < leastSize) return;
+        ++asked;
+        if (allowed < 0 || allowed.fetch_sub(1) > 0) return;
+        allowed = 0;
+        ++refused;
+        throw std::bad_alloc();
+    }
+};
+inline FailingAllocations allocations;
+
+}  // namespace superray::test
+
+[[gnu::noinline]] void* operator new(std::size_t bytes) {
+    superray::test::allocations.refuseSome(bytes);
+    if (void* const p = std::malloc(bytes)) return p;
+    throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept {
+    std::free(p);
+}
+[[gnu::noinline]] void* operator new(std::size_t bytes, std::align_val_t alignment) {
+    superray::test::allocations.refuseSome(bytes);
+    const auto a = static_cast<std::size_t>(alignment);
+    if (void* const p = std::aligned_alloc(a, (bytes + a - 1) / a * a)) return p;
+    throw std::bad_alloc();
+}
+void operator delete(void* p, std::align_val_t) noexcept {
+    operator delete(p);
+}
+// Sanitizers have their own of these.
+void* operator new[](std::size_t bytes) {
+    return operator new(bytes);
+}
+void operator delete[](void* p) noexcept {
+    operator delete(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+    operator delete(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+    operator delete(p);
+}

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Memory that runs out at any allocation of an insertion: the map stays consistent, and
+// works on when there is memory again.
+
+#include <mrpt/opengl/COctoMapVoxels.h>
+#include <mrpt/opengl/CSetOfObjects.h>
+#include <superray/maps/CSuperRayGridMap2D.h>
+#include <superray/maps/CSuperRayGridMap3D.h>
+#include <superray/maps/CSuperRayOctoMap.h>
+#include <superray/maps/CSuperRayPointsMap.h>
+#include <superray/maps/CSuperRayQuadMap.h>
+
+#include <map>
+#include <new>
+
+#include "failing_allocations.h"
+#include "maps/test_scans.h"
+
+namespace superray {
+namespace {
+
+using mrpt::poses::CPose3D;
+
+/// The grid or octree map that a map is or holds.
+template <int Dim>
+const CSuperRayMapBase<Dim>& cellsOf(const CSuperRayMapBase<Dim>& map) {
+    return map;
+}
+template <int Dim>
+const CSuperRayMapBase<Dim>& cellsOf(const CSuperRayPointsMap<Dim>& map) {
+    return map.occupancy();
+}
+
+template <int Dim>
+using Blocks = std::map<BlockKey<Dim>, std::map<int, float>>;
+
+template <int Dim>
+Blocks<Dim> blocksOf(const CSuperRayMapBase<Dim>& map) {
+    Blocks<Dim> blocks;
+    map.storage().forEachBlock([&](const BlockView<Dim>& block) {
+        for (int i = 0; i < kBlockCells<Dim>; ++i)
+            if (block.known.test(i)) blocks[block.key][i] = block.values[i];
+    });
+    return blocks;
+}
+
+template <int Dim>
+std::size_t voxelsDrawn(const mrpt::maps::CMetricMap& map) {
+    mrpt_viz::CSetOfObjects objects;
+    map.getVisualizationInto(objects);
+    const auto voxels = objects.template getByClass<mrpt_viz::COctoMapVoxels>();
+    return voxels->getVoxelCount(mrpt_viz::VOXEL_SET_OCCUPIED);
+}
+
+template <int Dim>
+void expectDerivedAgrees(const CSuperRayMapBase<Dim>& map) {
+    EXPECT_EQ(voxelsDrawn<Dim>(map), map.cellTotals().occupied);
+}
+
+template <int Dim>
+void expectDerivedAgrees(const CSuperRayPointsMap<Dim>& map) {
+    expectDerivedAgrees<Dim>(map.occupancy());
+    if (map.size() == 0) return;  // made with the next scan
+    EXPECT_EQ(map.size(), map.occupancy().cellTotals().occupied);
+    for (std::size_t i = 0; i < map.size(); ++i) {
+        Eigen::Vector3f p;
+        map.getPoint(i, p.x(), p.y(), p.z());
+        EXPECT_TRUE(map.occupancy().isOccupied(p.template cast<double>()));
+    }
+}
+
+template <class Map>
+class InsertionFailure : public ::testing::Test {};
+using Maps = ::testing::Types<CSuperRayGridMap2D, CSuperRayQuadMap, CSuperRayGridMap3D,
+                              CSuperRayOctoMap, CSuperRayPointsMap2D, CSuperRayPointsMap3D>;
+TYPED_TEST_SUITE(InsertionFailure, Maps);
+
+TYPED_TEST(InsertionFailure, LeavesEachBlockOldOrNewAndAllElseInAgreement) {
+    const auto first = test::randomCloud(300, 1), second = test::randomCloud(300, 2);
+    const CPose3D pose(0.3, 0, 0, 0.2, 0, 0), moved(1.5, 0.5, 0, 0.4, 0, 0);
+    const auto filled = [&] {
+        auto map = std::make_unique<TypeParam>(0.2);
+        map->insertObservation(*first, pose);
+        expectDerivedAgrees(*map);  // views and fields exist
+        return map;
+    };
+    const auto undisturbed = filled();
+    const auto before = blocksOf(cellsOf(*undisturbed));
+    test::allocations.asked = 0;
+    undisturbed->insertObservation(*second, moved);
+    const int needed = test::allocations.asked;
+    ASSERT_GT(needed, 10);
+    const auto after = blocksOf(cellsOf(*undisturbed));
+    ASSERT_NE(before, after);
+
+    int failures = 0;
+    for (int succeeding = 0; succeeding < needed; succeeding += succeeding < 100 ? 1 : 7) {
+        SCOPED_TRACE("allocation " + std::to_string(succeeding));
+        const auto map = filled();
+        bool threw = false;
+        test::allocations.allowed = succeeding;
+        try {
+            map->insertObservation(*second, moved);
+        } catch (const std::exception&) {  // MRPT may wrap bad_alloc
+            threw = true;
+        }
+        test::allocations.allowed = -1;
+        failures += threw;
+        auto now = blocksOf(cellsOf(*map));
+        auto old = before;
+        for (const auto& [key, cells] : after)
+            ASSERT_TRUE(now[key] == cells || now[key] == old[key]);
+        for (const auto& block : now) ASSERT_TRUE(after.count(block.first) != 0);
+        EXPECT_EQ(cellsOf(*map).totals().scans, threw ? 1u : 2u) << "scans counted";
+        expectDerivedAgrees(*map);
+        map->insertObservation(*first, pose);
+        expectDerivedAgrees(*map);
+        if constexpr (std::is_base_of_v<mrpt::maps::CPointsMap, TypeParam>) {
+            EXPECT_EQ(map->size(), map->occupancy().cellTotals().occupied);
+        }
+    }
+    EXPECT_GT(failures, 10);
+}
+
+// The way to undo: copies share their cells until one of them changes.
+TYPED_TEST(InsertionFailure, OfACopyLeavesTheOriginalForARetry) {
+    const auto first = test::randomCloud(300, 1), second = test::randomCloud(300, 2);
+    TypeParam undisturbed(0.2), map(0.2);
+    for (TypeParam* m : {&undisturbed, &map}) m->insertObservation(*first, {});
+    undisturbed.insertObservation(*second, {});
+    const std::string before = cellsOf(map).digest();
+    int failures = 0;
+    for (int succeeding = 0; succeeding < 400; succeeding += 9) {
+        TypeParam trial(map);
+        test::allocations.allowed = succeeding;
+        try {
+            trial.insertObservation(*second, {});
+        } catch (const std::exception&) {
+            ++failures;
+        }
+        test::allocations.allowed = -1;
+        ASSERT_EQ(cellsOf(map).digest(), before);
+    }
+    EXPECT_GT(failures, 3);
+    map.insertObservation(*second, {});
+    EXPECT_EQ(cellsOf(map).digest(), cellsOf(undisturbed).digest());
+}
+
+}  // namespace
+}  // namespace superray
