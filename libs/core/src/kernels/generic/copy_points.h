@@ -71,6 +71,17 @@ inline bool copySomePoints(const Scalar* points, std::size_t begin, std::size_t 
     return good;
 }
 
+/// Stores coordinates of one axis and widens the bounds of its lanes. Called per axis:
+/// in a loop over the axes, compilers keep the bounds in memory.
+template <typename Vector, typename Masks, typename Scalar>
+SUPERRAY_INLINE void storeAxis(const Vector& x, Vector& low, Vector& high, Masks& numbers,
+                               Scalar* out) {
+    numbers &= x == x;
+    low = x < low ? x : low;
+    high = x > high ? x : high;
+    std::memcpy(out, &x, sizeof x);
+}
+
 /// \return how many points were copied
 template <typename Simd, typename Scalar>
 inline std::size_t copyVectors(const Scalar* points, std::size_t count,
@@ -91,22 +102,18 @@ inline std::size_t copyVectors(const Scalar* points, std::size_t count,
     }
     std::size_t i = 0;
     for (; i + kLanes <= count; i += kLanes) {
-        // One by one: compilers copy all three through memory, in other pieces.
-        Vector v[3];
-        for (std::size_t at = 0; at < sizeof v; at += 64)
+        for (std::size_t at = 0; at < 3 * sizeof(Vector); at += 64)
             __builtin_prefetch(reinterpret_cast<const char*>(points + 3 * i) + kAhead + at, 0,
                                0);
-        for (int n = 0; n < 3; ++n) v[n] = loaded<Vector>(points + 3 * i + kLanes * n);
-        const Vector picked[3] = {pickAxis<0>(v[0], v[1], v[2], kEachLane),
-                                  pickAxis<1>(v[0], v[1], v[2], kEachLane),
-                                  pickAxis<2>(v[0], v[1], v[2], kEachLane)};
-        for (int a = 0; a < 3; ++a) {
-            const Vector& x = picked[a];
-            numbers &= x == x;
-            low[a] = x < low[a] ? x : low[a];
-            high[a] = x > high[a] ? x : high[a];
-            std::memcpy(to.coordinates[static_cast<std::size_t>(a)] + i, &x, sizeof x);
-        }
+        const Scalar* const from = points + 3 * i;
+        const auto v0 = loaded<Vector>(from), v1 = loaded<Vector>(from + kLanes),
+                   v2 = loaded<Vector>(from + 2 * kLanes);
+        storeAxis(pickAxis<0>(v0, v1, v2, kEachLane), low[0], high[0], numbers,
+                  to.coordinates[0] + i);
+        storeAxis(pickAxis<1>(v0, v1, v2, kEachLane), low[1], high[1], numbers,
+                  to.coordinates[1] + i);
+        storeAxis(pickAxis<2>(v0, v1, v2, kEachLane), low[2], high[2], numbers,
+                  to.coordinates[2] + i);
     }
     if (i == 0) return 0;
     for (int lane = 0; lane < kLanes; ++lane) {
