@@ -17,7 +17,8 @@ using Command = std::function<int()>;
 struct CommandEntry {
     std::string name, summary;
     /// Declares the options on the subcommand's parser and returns what to run
-    /// once they are parsed.
+    /// once they are parsed. The type name of an option tells what is checked: N is a
+    /// count, METRES, DEGREES, SECONDS and so on are numbers.
     Command (*declare)(CLI::App&);
 };
 
@@ -28,10 +29,5 @@ enum ExitCode : int { kSuccess = 0, kDifferent = 1, kError = 2 };
 /// main() of a program with subcommands. Errors become one line on stderr, and kError.
 int runProgram(const std::string& program, const std::string& description,
                const std::vector<CommandEntry>& entries, int argc, char** argv);
-
-/// For options that are numbers: CLI11 takes an empty text for 0.
-CLI::Validator isNumber();
-/// For options that count things: CLI11 takes -1 for the largest number.
-CLI::Validator isCount();
 
 }  // namespace superray

@@ -96,21 +96,16 @@ Command declareBuild(CLI::App& app) {
                    "CSuperRayQuadMap")
         ->type_name("CLASS");
     app.add_option("--resolution", a.map.resolution, "Cell edge; default 0.1")
-        ->check(isNumber())
         ->type_name("METRES");
     app.add_option("--max-range", a.map.maxRange,
                    "Longer rays are cut here and only clear space; default: no limit")
-        ->check(isNumber())
         ->type_name("METRES");
     app.add_option("--min-range", a.map.minRange, "Nearer points are left out; default 0")
-        ->check(isNumber())
         ->type_name("METRES");
     app.add_option("--sensor", a.map.sensorLabels,
                    "Sensor labels to use, comma-separated; default: all")
         ->type_name("LABELS");
-    app.add_option("--scans", a.source.maxScans, "Stop after so many scans")
-        ->check(isCount())
-        ->type_name("N");
+    app.add_option("--scans", a.source.maxScans, "Stop after so many scans")->type_name("N");
     addPoseOptions(app, a.poses, a.source);
     addDepthCameraOptions(app, a.source);
     app.add_flag(
@@ -138,9 +133,7 @@ Command declareBuild(CLI::App& app) {
            "auto (default), full, culling, superRays, perRay or reference: the same map "
            "in other times")
         ->type_name("METHOD");
-    app.add_option("--threads", a.map.threads, "Threads; default 1")
-        ->check(isCount())
-        ->type_name("N");
+    app.add_option("--threads", a.map.threads, "Threads; default 1")->type_name("N");
     app.add_flag("--json", a.json, "One JSON object instead of text");
     return [arguments] { return build(*arguments); };
 }

@@ -5,8 +5,6 @@
 
 #include <vector>
 
-#include "common/program.h"
-
 namespace superray {
 
 void addPoseOptions(CLI::App& app, PoseArguments& arguments, ScanSourceOptions& source) {
@@ -26,7 +24,6 @@ void addPoseOptions(CLI::App& app, PoseArguments& arguments, ScanSourceOptions& 
         ->type_name("LABEL");
     app.add_option("--max-pose-gap", source.maxPoseGap,
                    "Scans between poses that are farther apart in time are left out; default 2")
-        ->check(isNumber())
         ->type_name("SECONDS");
 }
 
@@ -42,12 +39,11 @@ void addDepthCameraOptions(CLI::App& app, ScanSourceOptions& source) {
            },
            "Camera of RGB-D folders: fx fy cx cy; default 525 525 319.5 239.5")
         ->expected(4)
-        ->check(isNumber())
         ->type_name("PIXELS");
     app.add_option("--depth-units", camera.unitsPerMetre,
                    "Value of a metre in the depth images of RGB-D folders; default 5000")
         ->check(CLI::PositiveNumber)
-        ->type_name("N");
+        ->type_name("VALUE");
 }
 
 PoseOrigin poseOrigin(const PoseArguments& arguments, const ScanSourceOptions& source) {

@@ -179,9 +179,7 @@ Command declareBuild(CLI::App& app) {
         ->type_name("N");
     app.add_option("--sensor", a.source.sensorLabel, "Sensor labels to use; default: all")
         ->type_name("LABELS");
-    app.add_option("--scans", a.source.maxScans, "Stop after so many scans")
-        ->check(isCount())
-        ->type_name("N");
+    app.add_option("--scans", a.source.maxScans, "Stop after so many scans")->type_name("N");
     app.add_option("--start", a.start, "First pose: 'x y z yaw pitch roll' [m, degrees]")
         ->type_name("POSE");
     app.add_flag("--odometry", a.useOdometry,

