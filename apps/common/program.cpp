@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/program.h"
 
+#include <superray/core/version.h>
 #include <superray/eval/input_error.h>
 #include <unistd.h>
 

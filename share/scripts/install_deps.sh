@@ -19,7 +19,7 @@ packages=(
     python3               # system tests
     xvfb xauth xdotool imagemagick libgl1-mesa-dri # system tests with windows
 )
-[[ ${1:-} != --checks ]] || packages+=(clang-format git)
+[[ ${1:-} != --checks ]] || packages+=(clang-format clang-tidy doxygen git)
 [[ ${1:-} != --packaging ]] || packages+=(help2man file dpkg-dev)
 
 missing=()

@@ -102,81 +102,108 @@ void SuperRayGrouper<Dim>::groupEndCell(const RayBundle<Dim>& rays, const std::u
     }
 }
 
+/// The plane of two axes, mirrored so that all rays to one end cell go up both of them.
+/// Coordinates are in cells from the grid's origin, so that cells are whole numbers.
+template <int Dim>
+struct SuperRayGrouper<Dim>::MappingLine {
+    CellGeometry<Dim> geometry;
+    int axisA, axisB;         ///< the rays cross more borders of axis A
+    double signA, signB;      ///< -1 where mirrored
+    int crossedA, crossedB;   ///< borders of each axis that every ray crosses
+    double originA, originB;  ///< of the rays
+    /// Distance [cells] within which a ray passes a grid point uncertainly, along either
+    /// axis: the digital line lags by at most (slices + 2) 2^-31, and doubles of at most
+    /// 2^16 add far less.
+    double margin;
+
+    MappingLine(const RayBundle<Dim>& rays, const Cell<Dim>& endCell, int a, int b)
+        : geometry(rays.geometry()), axisA(a), axisB(b) {
+        const Cell<Dim> sensorCell = geometry.cellOf(rays.commonOrigin());
+        const auto crossed = [&](int axis) {
+            return std::abs(endCell[axis] - sensorCell[axis]);
+        };
+        if (crossed(axisA) < crossed(axisB)) std::swap(axisA, axisB);
+        signA = endCell[axisA] < sensorCell[axisA] ? -1 : 1;
+        signB = endCell[axisB] < sensorCell[axisB] ? -1 : 1;
+        crossedA = crossed(axisA);
+        crossedB = crossed(axisB);
+        originA = mirrored(rays.commonOrigin(), axisA, signA);
+        originB = mirrored(rays.commonOrigin(), axisB, signB);
+        int slices = 0;
+        for (int axis = 0; axis < Dim; ++axis) slices = std::max(slices, crossed(axis));
+        margin = (slices + 16) * 0x1p-28;
+    }
+
+    /// Slope of the ray to `end`: its coordinate on the mapping line.
+    double slope(const Point<Dim>& end) const {
+        return (mirrored(end, axisB, signB) - originB) /
+               (mirrored(end, axisA, signA) - originA);
+    }
+
+ private:
+    /// Quantised as the digital line is: never on a border.
+    double mirrored(const Point<Dim>& p, int axis, double sign) const {
+        return sign * static_cast<double>(toUnits(geometry.scaled(p[axis]))) * 0x1p-31;
+    }
+};
+
 /// Appends to every ray of keyed_ its segment on the mapping line of the plane
 /// (axisA, axisB).
 template <int Dim>
 void SuperRayGrouper<Dim>::divideByMappingLine(const RayBundle<Dim>& rays,
                                                const Cell<Dim>& endCell, int axisA, int axisB) {
-    const CellGeometry<Dim>& geometry = rays.geometry();
-    const Cell<Dim> sensorCell = geometry.cellOf(rays.commonOrigin());
-    if (std::abs(endCell[axisA] - sensorCell[axisA]) <
-        std::abs(endCell[axisB] - sensorCell[axisB]))
-        std::swap(axisA, axisB);  // axisA: along which the rays cross more borders
-
-    // Mirrored so that all rays go up both axes; the cells are whole numbers.
-    const double signA = endCell[axisA] < sensorCell[axisA] ? -1 : 1;
-    const double signB = endCell[axisB] < sensorCell[axisB] ? -1 : 1;
-    const int crossedA = std::abs(endCell[axisA] - sensorCell[axisA]);
-    const int crossedB = std::abs(endCell[axisB] - sensorCell[axisB]);
-    const auto shift = [&](std::uint64_t& segments, std::uint64_t segment) {
-        if (segments == kUncertain || segment == kUncertain)
-            segments = kUncertain;
-        else
-            segments = segments << kSegmentBits | segment;
-    };
+    const MappingLine line(rays, endCell, axisA, axisB);
     // Borders of one axis only: their order is the same for all rays.
-    if (crossedA == 0 || crossedB == 0) return;
-
-    // In cells, quantised as the digital line is: never on a border.
-    const auto mirrored = [&](const Point<Dim>& p, int axis, double sign) {
-        return sign * static_cast<double>(toUnits(geometry.scaled(p[axis]))) * 0x1p-31;
-    };
-    const double originA = mirrored(rays.commonOrigin(), axisA, signA);
-    const double originB = mirrored(rays.commonOrigin(), axisB, signB);
-    const auto firstBorder = [](double origin) { return std::floor(origin) + 1; };
-
-    slopes_.clear();
-    double lowest = HUGE_VAL, highest = -HUGE_VAL;
-    for (const Keyed& k : keyed_) {
-        const Point<Dim>& p = rays.end(k.ray);
-        const double slope =
-            (mirrored(p, axisB, signB) - originB) / (mirrored(p, axisA, signA) - originA);
-        slopes_.push_back(slope);
-        lowest = std::min(lowest, slope);
-        highest = std::max(highest, slope);
+    if (line.crossedA == 0 || line.crossedB == 0) return;
+    findSlopes(rays, line);
+    findBorders(line);
+    if (borders_.size() >= (std::size_t{1} << kSegmentBits) - 1) {
+        for (Keyed& k : keyed_) k.segments = kUncertain;
+        return;
     }
-    // Distance [cells] within which a ray passes a grid point uncertainly, along either axis:
-    // the digital line lags by at most (slices + 2) 2^-31, and doubles of at most 2^16 add
-    // far less.
-    int slices = 0;
-    for (int a = 0; a < Dim; ++a)
-        slices = std::max(slices, std::abs(endCell[a] - sensorCell[a]));
-    const double margin = (slices + 16) * 0x1p-28;
+    mergeOverlappingBorders();
+    appendSegments();
+}
 
+/// Fills slopes_, parallel to keyed_.
+template <int Dim>
+void SuperRayGrouper<Dim>::findSlopes(const RayBundle<Dim>& rays, const MappingLine& line) {
+    slopes_.clear();
+    for (const Keyed& k : keyed_) slopes_.push_back(line.slope(rays.end(k.ray)));
+}
+
+/// Fills borders_ with the stretch of the mapping line that each grid point makes uncertain.
+///
+/// The ray of slope s passes the grid point at distance d along axis A and height h along
+/// axis B uncertainly if it is off by |s d - h| <= margin (1 + s): a lag along A matters s
+/// times as much as one along B. Solved for h, these are the grid points that some ray may
+/// pass so; solved for s, the stretch of one of them.
+template <int Dim>
+void SuperRayGrouper<Dim>::findBorders(const MappingLine& line) {
+    const auto firstBorder = [](double origin) { return std::floor(origin) + 1; };
+    const auto [lowest, highest] = std::minmax_element(slopes_.begin(), slopes_.end());
+    const double margin = line.margin;
+    const double firstB = firstBorder(line.originB), lastB = firstB + line.crossedB - 1;
+    const double firstA = firstBorder(line.originA);
     borders_.clear();
-    const double firstB = firstBorder(originB), lastB = firstB + crossedB - 1;
-    const double firstA = firstBorder(originA);
-    for (int i = 0; i < crossedA; ++i) {
-        const double distance = firstA + i - originA;  // along axis A, > 0
-        // The ray of slope s passes the grid point at height h uncertainly if it is off by
-        // |s * distance - h| <= margin * (1 + s): a lag along A matters s times as much as
-        // one along B. Solved for h, these are the grid points that some ray may pass so;
-        // solved for s, the stretch of the mapping line that one of them makes uncertain.
+    for (int i = 0; i < line.crossedA; ++i) {
+        const double distance = firstA + i - line.originA;  // > 0
         const double from =
-            std::max(firstB, std::ceil(originB + lowest * (distance - margin) - margin));
+            std::max(firstB, std::ceil(line.originB + *lowest * (distance - margin) - margin));
         const double to =
-            std::min(lastB, std::floor(originB + highest * (distance + margin) + margin));
+            std::min(lastB, std::floor(line.originB + *highest * (distance + margin) + margin));
         for (double j = from; j <= to; ++j) {
-            const double height = j - originB;  // > 0
+            const double height = j - line.originB;  // > 0
             borders_.push_back(
                 {(height - margin) / (distance + margin),
                  distance > margin ? (height + margin) / (distance - margin) : HUGE_VAL});
         }
     }
-    if (borders_.size() >= (std::size_t{1} << kSegmentBits) - 1) {
-        for (Keyed& k : keyed_) k.segments = kUncertain;
-        return;
-    }
+}
+
+/// Sorts borders_ and makes one of those that overlap.
+template <int Dim>
+void SuperRayGrouper<Dim>::mergeOverlappingBorders() {
     std::sort(borders_.begin(), borders_.end(),
               [](const Border& x, const Border& y) { return x.from < y.from; });
     std::size_t merged = 0;
@@ -187,15 +214,23 @@ void SuperRayGrouper<Dim>::divideByMappingLine(const RayBundle<Dim>& rays,
             borders_[merged++] = b;
     }
     borders_.resize(merged);
+}
 
+/// A segment is named by the number of borders below it; a ray in a border has none.
+template <int Dim>
+void SuperRayGrouper<Dim>::appendSegments() {
     for (std::size_t r = 0; r < keyed_.size(); ++r) {
         const double slope = slopes_[r];
         const auto above =
             std::upper_bound(borders_.begin(), borders_.end(), slope,
                              [](double s, const Border& b) { return s < b.from; });
         const bool uncertain = above != borders_.begin() && slope <= std::prev(above)->to;
-        shift(keyed_[r].segments,
-              uncertain ? kUncertain : static_cast<std::uint64_t>(above - borders_.begin()));
+        std::uint64_t& segments = keyed_[r].segments;
+        if (uncertain || segments == kUncertain)
+            segments = kUncertain;
+        else
+            segments =
+                segments << kSegmentBits | static_cast<std::uint64_t>(above - borders_.begin());
     }
 }
 

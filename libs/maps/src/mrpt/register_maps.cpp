@@ -5,6 +5,7 @@
 #include <dlfcn.h>
 #include <mrpt/version.h>
 #include <octomap/OcTree.h>
+#include <superray/core/version.h>
 #include <superray/maps/CSuperRayGridMap2D.h>
 #include <superray/maps/CSuperRayGridMap3D.h>
 #include <superray/maps/CSuperRayOctoMap.h>

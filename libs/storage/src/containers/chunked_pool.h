@@ -81,7 +81,7 @@ class ChunkedPool {
     }
 
     std::size_t memoryBytes() const {
-        return chunks_.size() * kChunk * sizeof(T) + chunks_.capacity() * sizeof(chunks_[0]) +
+        return chunks_.size() * kChunk * sizeof(T) + chunks_.capacity() * sizeof(void*) +
                slabs_.capacity() * sizeof(slabs_[0]) + free_.capacity() * sizeof(free_[0]);
     }
 

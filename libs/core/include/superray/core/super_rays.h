@@ -49,8 +49,13 @@ class SuperRayGrouper {
     void bucketByEndCell(const RayBundle<Dim>& rays);
     void groupEndCell(const RayBundle<Dim>& rays, const std::uint32_t* begin,
                       const std::uint32_t* end);
+    struct MappingLine;
     void divideByMappingLine(const RayBundle<Dim>& rays, const Cell<Dim>& endCell, int axisA,
                              int axisB);
+    void findSlopes(const RayBundle<Dim>& rays, const MappingLine& line);
+    void findBorders(const MappingLine& line);
+    void mergeOverlappingBorders();
+    void appendSegments();
 
     std::vector<SuperRay> out_;
     std::vector<std::uint32_t> table_, bucketOf_, bucketStart_, sorted_;

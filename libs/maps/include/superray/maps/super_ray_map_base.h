@@ -138,8 +138,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     /// Occupied cells as COctoMapVoxels, which every MRPT viewer knows (in 2D:
     /// cubes on z = 0); empty if genericMapParams.enableSaveAs3DObject is off.
     void getVisualizationInto(mrpt_viz::CSetOfObjects& objects) const override;
-    /// Writes <prefix>.srmap and <prefix>.3Dscene, in 3D <prefix>.bt and
-    /// <prefix>.ot, in 2D the picture <prefix>.png; each of them whole or not at all.
+    /// Writes PREFIX.srmap and PREFIX.3Dscene, in 3D PREFIX.bt and PREFIX.ot, in 2D
+    /// the picture PREFIX.png; each of them whole or not at all.
     /// \throws MapFileError
     void saveMetricMapRepresentationToFile(const std::string& prefix) const override;
     /// Share of the other map's points (it must be, or hold, a points map) that
@@ -185,8 +185,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     /// On any error throws and leaves the map untouched.
     void readFrom(mrpt::serialization::CArchive& in, std::uint8_t version);
 
-    /// Called after each scan that was applied to the cells.
-    /// \param batch what was applied; null if it was counted exactly
+    /// Called after each scan that was applied to the cells. The batch is what was
+    /// applied; null if the scan was counted exactly.
     virtual void scanApplied(const RayBundle<Dim>& /*rays*/,
                              const UpdateBatch<Dim>* /*batch*/) {}
 
