@@ -70,7 +70,7 @@ TEST_F(SlamProgram, OptionsAreAConfigurationFile) {
     EXPECT_EQ(again.out, options.out);
 }
 
-TEST_F(SlamProgram, ErrorsAreOneLineAndCodeOne) {
+TEST_F(SlamProgram, ErrorsAreOneLineAndCodeTwo) {
     const std::string input = path("room.rawlog");
     auto planar = mrpt::obs::CObservation2DRangeScan::Create();
     planar->timestamp = mrpt::Clock::fromDouble(1e9);
@@ -134,7 +134,7 @@ TEST_F(SlamProgram, WhatCannotBeWrittenIsAnError) {
         std::filesystem::create_symlink("/dev/full", folder_ / name);
         const auto r = run("build " + path("room.rawlog") + " -o " + path(name) +
                            " --levels 0.6 --point-spacing 0.3 --resolution 0.2");
-        EXPECT_EQ(r.code, 1) << name;
+        EXPECT_EQ(r.code, 2) << name;
         EXPECT_NE(r.error.find("No space left"), std::string::npos) << r.error;
     }
 }

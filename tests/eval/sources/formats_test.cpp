@@ -114,7 +114,7 @@ std::string errorOf(const std::string& path, const ScanSourceOptions& options = 
 }
 
 void expectPart(const std::string& text, const std::string& part) {
-    EXPECT_NE(text.find(part), std::string::npos) << text;
+    EXPECT_NE(text.find(part), std::string::npos) << text << " must have: " << part;
 }
 
 TEST(Formats, pointCloudFilesGiveTheMapOfTheRawlog) {
@@ -249,13 +249,13 @@ TEST(Formats, whatFollowsThePointsIsCheckedToo) {
     EXPECT_EQ(digestOf(ply("ascii", "", "1 2 3\n\n")), expected);
     // Faces, as a mesh has them.
     const std::string faces = "element face 2\nproperty list uchar int vertex_indices\n";
-    const std::string triangle = std::string("\x03", 1) + std::string(12, '\0');
+    const std::string triangle = "\x03" + std::string(12, '\x01');
     EXPECT_EQ(digestOf(ply("binary_little_endian", faces, point + triangle + triangle)),
               expected);
     EXPECT_EQ(digestOf(ply("ascii", faces, "1 2 3\n3 0 0 0\n3 0 0 0\n")), expected);
     const auto error = [&](const std::string& path) { return errorOf(path, fixed); };
     const std::string le = "binary_little_endian";
-    expectPart(error(ply(le, faces, point + triangle + triangle.substr(1))), "ends early");
+    expectPart(error(ply(le, faces, point + triangle + triangle.substr(0, 12))), "ends early");
     expectPart(error(ply(le, faces, point + triangle)), "ends early");
     expectPart(error(ply(le, "", point + "x")), "other data follow");
     expectPart(error(ply(le, "element vertex 1\n" + vertices, point + point)),
@@ -359,7 +359,7 @@ TEST_P(BrokenFormats, truncatedAnywhere) {
             (GetParam().cuts == Cuts::seenInCounts && built->scans < expected_.scans);
         EXPECT_TRUE(isTold) << "silently, at " << length;
     }
-    EXPECT_GT(refused, 40);
+    EXPECT_GT(refused, 15);  // binary PCD is filled up to 4 kB
 }
 
 TEST_P(BrokenFormats, randomBytes) {

@@ -346,7 +346,7 @@ TEST(RecordedSensors, anUnknownClassIsNamedAndWhatComesBeforeCanBeUsed) {
         expectPart(message, "newer MRPT");
         expectPart(message, "after " + std::to_string(which) + " whole objects, ");
         // Where the object begins: with a byte for the length of its name.
-        const auto name = readWholeFile(path).find("CSensoryFramX");
+        const auto name = readWholeFile(path).find("mrpt::obs::CSensoryFramX");
         expectPart(message, "in the one at byte " + std::to_string(name - 1) + " of " +
                                 std::to_string(readWholeFile(path).size()));
         expectPart(message, "--accept-truncated");

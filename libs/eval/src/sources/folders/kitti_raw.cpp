@@ -5,6 +5,7 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <superray/eval/input_error.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -28,7 +29,9 @@ std::vector<Trajectory::Time> readTimes(const fs::path& path) {
         double seconds = 0;
         if (std::sscanf(line.c_str(), "%d-%d-%d %d:%d:%lf", &date.tm_year, &date.tm_mon,
                         &date.tm_mday, &date.tm_hour, &date.tm_min, &seconds) != 6 ||
-            !(seconds >= 0 && seconds < 61))
+            !(seconds >= 0 && seconds < 61) || date.tm_year < 1970 || date.tm_year > 2200 ||
+            std::max({date.tm_mon, date.tm_mday, date.tm_hour, date.tm_min}) > 60 ||
+            std::min({date.tm_mon, date.tm_mday, date.tm_hour, date.tm_min}) < 0)
             throw InputError(where + ": must be a time, YYYY-MM-DD hh:mm:ss");
         date.tm_year -= 1900;
         date.tm_mon -= 1;
@@ -69,6 +72,9 @@ std::vector<std::optional<CPose3D>> readOxts(const fs::path& folder,
             throw InputError(file.string() +
                              ": must begin with lat lon alt roll pitch yaw, has " +
                              std::to_string(row.size()) + " numbers");
+        if (!(std::abs(row[0]) < 90))
+            throw InputError(file.string() + ": latitude " + std::to_string(row[0]) +
+                             " must be between -90 and 90 degrees");
         if (!first) {
             scale = std::cos(row[0] * M_PI / 180);
             first = poseOfOxts(row, scale);

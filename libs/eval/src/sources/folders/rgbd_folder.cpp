@@ -82,6 +82,9 @@ mrpt::obs::CObservation::Ptr readImage(const Frame& frame, const DepthCamera& ca
 }  // namespace
 
 std::unique_ptr<ScanSource> openRgbd(const fs::path& folder, const ScanSourceOptions& asked) {
+    if (!(asked.depthCamera.fx > 0 && asked.depthCamera.fy > 0 &&
+          asked.depthCamera.unitsPerMetre > 0))
+        throw InputError("the focal lengths and the depth units of the camera must be > 0");
     FrameRecording recording;
     recording.path = folder.string();
     recording.label = "DEPTH";
