@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Does what a new user does, in a fresh root of a Debian release:
 #
-#   test_debian.sh RELEASE [--user] [--packages] [--keep DIR] [--ccache DIR]
+#   test_debian.sh RELEASE [--user] [--packages] [--upper] [--keep DIR] [--ccache DIR]
 #
 #   RELEASE     bookworm, trixie, sid, ...
 #   --user      as a plain user with sudo instead of root
 #   --packages  afterwards build the packages, and test them in another fresh root
+#   --upper     leaves out the tests of core, storage and fuzz, which need no MRPT
 #   --keep DIR  where the root is made; DIR must not exist, and stays. Default: a
 #               folder that is removed at the end
 #   --ccache DIR  saves time when it is done again: ccache is installed there, and
@@ -21,14 +22,15 @@
 set -euo pipefail
 source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 
-usage() { sed -n '3,20s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 2; }
+usage() { sed -n '3,22s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 2; }
 cannot() { echo "CANNOT TEST in a fresh root: $1" >&2; exit 77; }
 
-release= keep= cache= as_user=0 packages=0
+release= keep= cache= as_user=0 packages=0 tests=release
 while [[ $# -gt 0 ]]; do
     case $1 in
         --user) as_user=1; shift ;;
         --packages) packages=1; shift ;;
+        --upper) tests="release -LE '^(core|storage)\$' -E '^(core|storage|fuzz)_'"; shift ;;
         --keep) [[ $# -gt 1 ]] || usage; keep=$2; shift 2 ;;
         --ccache) [[ $# -gt 1 ]] || usage; cache=$2; shift 2 ;;
         -*) usage ;;
@@ -71,7 +73,8 @@ make_root() {
     rm -f "$1.log"
     cp -L /etc/resolv.conf /etc/hosts "$1/etc/" 2>/dev/null || true
     # Package lists of a mirror that stands still are past their date.
-    echo 'Acquire::Check-Valid-Until "false";' >"$1/etc/apt/apt.conf.d/90mirror"
+    printf '%s\n' 'Acquire::Check-Valid-Until "false";' 'Acquire::Retries "3";' \
+        >"$1/etc/apt/apt.conf.d/90mirror"
 }
 
 # in_root DIR COMMAND: runs a shell command there, in the checkout's copy.
@@ -113,17 +116,18 @@ copy_checkout() {
 echo "=== A fresh root of Debian $release: $root"
 make_root "$root/system"
 copy_checkout "$root/system"
+in_root "$root/system" "apt-get -qq update" || cannot "package lists of $release are out of reach"
 
 if [[ -n $cache ]]; then
-    in_root "$root/system" "apt-get -qq update
-        apt-get -qq install --yes --no-install-recommends ccache >/dev/null 2>&1"
+    in_root "$root/system" \
+        "apt-get -qq install --yes --no-install-recommends ccache >/dev/null 2>&1"
 fi
 
 commands="bash share/scripts/demo.sh; bash share/scripts/test.sh"
+[[ $tests == release ]] || commands+=" $tests"
 echo "=== Debian $release: $commands"
 if ((as_user)); then
     in_root "$root/system" "
-        apt-get -qq update
         apt-get -qq install --yes --no-install-recommends sudo >/dev/null
         useradd --create-home --shell /bin/bash tester
         echo 'tester ALL=(ALL) NOPASSWD: ALL' >/etc/sudoers.d/tester

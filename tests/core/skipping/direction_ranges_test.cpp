@@ -145,7 +145,7 @@ TEST(DirectionRanges, ANearCellIsMarkedForFewRaysThatMissIt) {
     EXPECT_LT(missing, passing / 10);
 }
 
-/// Walks two thirds of the rays, looks around and checks what is skipped.
+/// Walks two thirds of the rays, grows the settled region and checks what is skipped.
 template <int Dim>
 void checkNothingIsMissed(const RayBundle<Dim>& scan, std::uint64_t mostWork,
                           std::size_t& skipped, std::size_t& left) {

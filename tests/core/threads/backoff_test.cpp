@@ -7,22 +7,22 @@ namespace superray {
 namespace {
 
 TEST(Backoff, GoOnWhileTheyRepay) {
-    Backoff attempts;
+    Backoff backoff;
     for (int i = 0; i < 30; ++i) {
-        ASSERT_TRUE(attempts.tryNow()) << i;
-        attempts.learn(true);
+        ASSERT_TRUE(backoff.tryNow()) << i;
+        backoff.learn(true);
     }
 }
 
 TEST(Backoff, WaitAfterOneInVain) {
-    Backoff attempts;
+    Backoff backoff;
     for (int round = 0; round < 3; ++round) {
-        attempts.learn(false);
-        for (int i = 1; i < Backoff::kChances; ++i) ASSERT_FALSE(attempts.tryNow()) << i;
-        ASSERT_TRUE(attempts.tryNow()) << round;
+        backoff.learn(false);
+        for (int i = 1; i < Backoff::kChances; ++i) ASSERT_FALSE(backoff.tryNow()) << i;
+        ASSERT_TRUE(backoff.tryNow()) << round;
     }
     // Nothing was learnt of the last one, so there is no reason to wait.
-    EXPECT_TRUE(attempts.tryNow());
+    EXPECT_TRUE(backoff.tryNow());
 }
 
 }  // namespace

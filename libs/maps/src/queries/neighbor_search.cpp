@@ -36,7 +36,7 @@ class NeighborSearch {
         const Point<Dim> p = query_.point.template head<Dim>();
         // From above, the blocks of a column are equally near.
         if (axes_ == Dim && geometry_.contains(p)) {
-            lookAround(blocks, blockOf<Dim>(geometry_.cellOf(p)));
+            findBlocksAround(blocks, blockOf<Dim>(geometry_.cellOf(p)));
         } else {
             for (const auto& [key, mask] : blocks) lookInto(key, mask);
         }
@@ -92,7 +92,7 @@ class NeighborSearch {
         return gap * gap + height_;
     }
 
-    void lookAround(const Blocks& blocks, const BlockKey<Dim>& centre) {
+    void findBlocksAround(const Blocks& blocks, const BlockKey<Dim>& centre) {
         double asked = 0;
         for (int ring = 0;; ++ring) {
             if (ring > 0 && squaredGapOutside(centre, ring - 1) > farthest_) return;

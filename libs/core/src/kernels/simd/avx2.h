@@ -6,7 +6,7 @@
 #include <superray/core/ray_bundle.h>
 #include <superray/core/ray_line.h>
 
-#include "directions/packed_triple.h"
+#include "directions/classified_batch.h"
 #include "kernels/simd/avx_common.h"
 
 #include <superray/core/detail/target_begin.h>
@@ -14,8 +14,7 @@
 namespace superray {
 namespace {
 
-/// Per mask of 8 bits: the lanes in it, in order. Example: 0b101 -> { 0, 2, ...
-/// }.
+/// Per mask of 8 bits: the lanes in it, in order. Example: 0b101 -> 0, 2.
 struct CompressTable {
     alignas(32) std::uint32_t lanes[256][8];
     constexpr CompressTable() : lanes() {
@@ -199,8 +198,8 @@ struct Avx2 : AvxCommon {
         };
         return same4(offset) | same4(offset + 4) << 4;
     }
-    /// Bit i: ray i ends the way the ray before it does. Reads `count` of them,
-    /// no more.
+    /// Bit i: ray i ends the way the ray before it does. Bits from `count` on: any.
+    /// Reads `count` of them, no more.
     static unsigned sameEnds(const RayEnd* end, std::size_t count) {
         const auto load = [count](const RayEnd* at) {
             // With a constant, memcpy() is no call.

@@ -6,7 +6,7 @@
 #include <superray/core/ray_bundle.h>
 #include <superray/core/ray_line.h>
 
-#include "directions/packed_triple.h"
+#include "directions/classified_batch.h"
 #include "kernels/simd/avx_common.h"
 
 #include <superray/core/detail/target_begin.h>
@@ -146,8 +146,8 @@ struct Avx512 : AvxCommon {
         };
         return same8(offset) | same8(offset + 8) << 8;
     }
-    /// Bit i: ray i ends the way the ray before it does. Reads `count` of them,
-    /// no more.
+    /// Bit i: ray i ends the way the ray before it does. Bits from `count` on: any.
+    /// Reads `count` of them, no more.
     static unsigned sameEnds(const RayEnd* end, std::size_t count) {
         const auto load = [count](const RayEnd* at) {
             if (count == 16) return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));

@@ -6,8 +6,8 @@
 
 #include <superray/core/ray_line.h>
 
+#include "directions/classified_batch.h"
 #include "directions/first_unsettled.h"
-#include "directions/packed_triple.h"
 #include "kernels/simd/address_part.h"
 
 #include <cstring>
@@ -70,8 +70,7 @@ struct Portable {
     /// \pre 0 <= i < 2^52
     static Double8 toDouble(Long8 i) { return __builtin_convertvector(i, Double8); }
 
-    /// The lanes whose bits are set. Example: 0b101 -> { -1, 0, -1, 0, 0, 0, 0, 0
-    /// }.
+    /// The lanes whose bits are set. Example: 0b101 -> lanes 0 and 2.
     static Mask maskOf(int bits) {
         return -((Ints{} + bits) >> Ints{0, 1, 2, 3, 4, 5, 6, 7} & 1);
     }
@@ -153,9 +152,11 @@ struct Portable {
                                  std::uint32_t rows) {
         std::uint32_t changed = 0;
         for (; columns != 0; columns >>= 4, ++unsettled, ++farthest) {
-            const FirstUnsettled now = unsettled->joined(
-                FirstUnsettled::of(static_cast<Slice>(slice), (columns & 15) * rows));
-            if (now.word == unsettled->word || !offset.within(*farthest)) continue;
+            const std::uint32_t subBins = (columns & 15) * rows;
+            const FirstUnsettled now =
+                unsettled->joined(FirstUnsettled::of(static_cast<Slice>(slice), subBins));
+            if (subBins == 0 || now.word == unsettled->word || !offset.within(*farthest))
+                continue;
             *unsettled = now;
             changed += now.subBins() == FirstUnsettled::kAllSubBins;
         }

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Rays on and beside borders of cells against the oracle: a map around them, and the
+// comparison.
+
+#include <superray/core/reference_mapper.h>
+#include <superray/core/scan_integrator.h>
+
+#include <optional>
+
+namespace superray::test {
+
+/// A map in which all cells are free for certain, but for some that nothing is known of.
+template <int Dim>
+class HoledMap : public SaturationSource<Dim> {
+ public:
+    /// \param oneIn of so many cells, one is unknown; 1: all are
+    HoledMap(std::uint64_t seed, std::uint64_t oneIn) : seed_(seed), oneIn_(oneIn) {}
+
+    bool unknown(const Cell<Dim>& cell) const {
+        std::uint64_t h = seed_;
+        for (const std::int32_t c : cell)
+            h = (h ^ static_cast<std::uint32_t>(c)) * 0x9E3779B97F4A7C15u, h ^= h >> 29;
+        return h % oneIn_ == 0;
+    }
+    BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float) const override {
+        BlockSaturation<Dim> block;
+        for (int i = 0; i < kBlockCells<Dim>; ++i)
+            if (!unknown(cellInBlock<Dim>(key, i))) block.saturatedFree.set(i);
+        return block;
+    }
+    LogOddsRange valueRange() const override { return {SensorModel().min(), 0}; }
+
+ private:
+    std::uint64_t seed_, oneIn_;
+};
+
+template <int Dim>
+CellCountMap<Dim> countsOf(const UpdateBatch<Dim>& batch) {
+    CellCountMap<Dim> counts;
+    for (std::size_t b = 0; b < batch.blockCount(); ++b) {
+        const BlockMask<Dim> touched = batch.touched(b);
+        for (int i = 0; i < kBlockCells<Dim>; ++i) {
+            if (!touched.test(i)) continue;
+            const std::uint32_t hits = batch.hits(b) != nullptr ? batch.hits(b)[i] : 0;
+            counts[cellInBlock<Dim>(batch.key(b), i)] = {batch.misses(b)[i], hits};
+        }
+    }
+    return counts;
+}
+
+/// A cell that two counts leave different, where every cell is as `map` has it before.
+/// Cells that nothing is known of must be touched by both or by none.
+template <int Dim>
+std::optional<Cell<Dim>> firstDifference(const CellCountMap<Dim>& got,
+                                         const CellCountMap<Dim>& expected,
+                                         const HoledMap<Dim>& map, const SensorModel& model,
+                                         UpdatePolicy policy) {
+    const auto after = [&](const Cell<Dim>& cell, const CellCountMap<Dim>& counts) {
+        const auto it = counts.find(cell);
+        const float before = map.unknown(cell) ? 0 : model.min();
+        return it == counts.end()
+                   ? before
+                   : model.updated(before, it->second.misses, it->second.hits, policy);
+    };
+    for (const auto* counts : {&got, &expected})
+        for (const auto& [cell, count] : *counts)
+            if (after(cell, got) != after(cell, expected) ||
+                (map.unknown(cell) && got.count(cell) != expected.count(cell)))
+                return cell;
+    return std::nullopt;
+}
+
+}  // namespace superray::test
