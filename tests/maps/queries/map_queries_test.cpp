@@ -181,7 +181,7 @@ TYPED_TEST(MapQueries, RaysMeetTheFirstCellOfTheirLine) {
     constexpr int Dim = dimensionOf<TypeParam>;
     const auto& geometry = this->map_.storage().geometry();
     std::map<RayCastEnd, std::size_t> ends;
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < 1000; ++i) {
         const auto origin = this->randomPoint(2), direction = this->randomPoint(1);
         const double range = i % 4 == 0 ? 1.5 : 8;
         const auto policy = i % 2 == 0 ? UnknownCells::pass : UnknownCells::stop;
