@@ -31,15 +31,20 @@ Examples:
   superray-bench compare outdoor --resolutions 0.1 --scans 5 --engines octomap,grid
   superray-bench compare drive.rawlog --engines octomap,grid --threads 1,2
   superray-bench compare room.rawlog --engines grid,grid-perRay,grid-full
+  superray-bench compare room.rawlog --engines grid --policies netEvidence,everyRay
 )";
 
 struct Arguments {
     CompareRequest request;
+    std::vector<std::string> policies;
     std::string json;
 };
 
 int compare(Arguments& a) {
     finishInputOptions(a.request.source);
+    if (!a.policies.empty()) a.request.policies.clear();
+    for (const std::string& name : a.policies)
+        a.request.policies.push_back(updatePolicyFromString(name));
     if (!a.json.empty()) checkOutputPath(a.json, {".json"});
     const auto runs = runCompare(a.request, std::cerr, progressStyle(), [&](const auto& soFar) {
         if (!a.json.empty()) writeFileAtomically(a.json, runsAsJson(soFar));
@@ -62,8 +67,10 @@ Command declareCompare(CLI::App& app) {
     app.add_option("DATA", a.request.data, "Scans")->required()->type_name("DATA");
     addListOption(app, "--resolutions", a.request.resolutions, "Cell edges; default 0.1",
                   "METRES");
-    addEngineOptions(app, a.request.engines, "octomap,grid,octree", a.request.threads,
-                     a.request.policy);
+    addEngineOptions(app, a.request.engines, "octomap,grid,octree", a.request.threads);
+    addListOption(app, "--policy,--policies", a.policies,
+                  updatePolicyNames() + ", each run by itself; default netEvidence",
+                  "POLICIES");
     app.add_option("-k,--threshold", a.request.superRayThreshold,
                    "Fewest points of an end cell that super rays group; default 20")
         ->type_name("K");

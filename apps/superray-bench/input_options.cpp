@@ -30,11 +30,13 @@ void addInputOptions(CLI::App& app, ScanSourceOptions& source, std::uint64_t& wo
 }
 
 void addEngineOptions(CLI::App& app, std::vector<std::string>& engines,
-                      const std::string& defaultEngines, std::vector<unsigned>& threads,
-                      UpdatePolicy& policy) {
+                      const std::string& defaultEngines, std::vector<unsigned>& threads) {
     addListOption(app, "--engines", engines, "Default: " + defaultEngines, "NAMES");
     addListOption(app, "--threads", threads,
                   "Numbers of threads, each run by itself; default 1", "N");
+}
+
+void addPolicyOption(CLI::App& app, UpdatePolicy& policy) {
     app.add_option_function<std::string>(
            "--policy",
            [&policy](const std::string& name) { policy = updatePolicyFromString(name); },

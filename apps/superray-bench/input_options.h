@@ -30,10 +30,11 @@ void addListOption(CLI::App& app, const std::string& names, std::vector<T>& valu
         ->allow_extra_args(false)
         ->type_name(type);
 }
-/// --engines, --threads, --policy.
+/// --engines, --threads.
 void addEngineOptions(CLI::App& app, std::vector<std::string>& engines,
-                      const std::string& defaultEngines, std::vector<unsigned>& threads,
-                      UpdatePolicy& policy);
+                      const std::string& defaultEngines, std::vector<unsigned>& threads);
+/// --policy.
+void addPolicyOption(CLI::App& app, UpdatePolicy& policy);
 /// "name  description" of each engine.
 std::string enginesHelp();
 /// Progress as fits the error output.

@@ -66,8 +66,8 @@ Command declarePaper(CLI::App& app) {
         ->type_name("K");
     addListOption(app, "--thresholds", a.request.thresholds,
                   "Those of Fig. 11; default 1,2,5,10,20,50,100,200,500", "K");
-    addEngineOptions(app, a.request.engines, "octomap and all methods", a.request.threads,
-                     a.request.policy);
+    addEngineOptions(app, a.request.engines, "octomap and all methods", a.request.threads);
+    addPolicyOption(app, a.request.policy);
     app.add_flag("--no-peak-memory", a.noPeakMemory, "Leave out the pass that measures it");
     addInputOptions(app, a.request.source, a.request.worldSeed);
     return [arguments] { return paper(*arguments); };

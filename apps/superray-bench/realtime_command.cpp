@@ -67,8 +67,8 @@ Command declareRealtime(CLI::App& app) {
     app.add_option("--rate", a.request.rate, "Scans a second; default 10")->type_name("HZ");
     app.add_option("--resolution", a.request.resolution, "Cell edge; default 0.2")
         ->type_name("METRES");
-    addEngineOptions(app, a.request.engines, "octomap,grid,octree", a.request.threads,
-                     a.request.policy);
+    addEngineOptions(app, a.request.engines, "octomap,grid,octree", a.request.threads);
+    addPolicyOption(app, a.request.policy);
     app.add_flag("--keep-all-points", a.keepAllPoints, "Make maps of the test points too");
     app.add_flag("--own-model", a.ownModel,
                  "Other engines with their own defaults, instead of 0.7 / 0.4");

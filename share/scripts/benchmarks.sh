@@ -29,10 +29,10 @@ done
 mkdir -p "$out"
 
 # compare NAME INPUT RESOLUTIONS SCANS FEW: few maps a process, so that they do not
-# compete for memory more than they must: our maps against octomap with one thread,
-# our grid against MRPT's, all methods, two threads (and two maps at once, which is
-# what they could reach); of few scans, for that takes octomap's time again and again,
-# all of MRPT's maps, and the policies of the paper and of octomap.
+# compete for memory more than they must: our maps against octomap with one thread, by
+# default and with the policy of the paper; our grid against MRPT's, all methods, two
+# threads (and two maps at once, which is what they could reach); of few scans, for that
+# takes octomap's time again and again, all of MRPT's maps, and the policy of octomap.
 compare() {
     local name=$1 input=$2 resolutions=$3 scans=$4 few=$5 run
     echo "=== $name, $resolutions m" >&2
@@ -43,12 +43,11 @@ compare() {
         [octree]=octree,octree-perRay,octree-culling
         [threads]=grid,octree,grid-copies,octree-copies
         [peers]=octomap,mrpt-octomap,mrpt-grid3d,grid
-        [paper]=octomap,grid,octree
         [once]=octomap,grid,octree)
-    local -A more=([threads]="--threads 1,2" [paper]="--policy everyRay"
+    local -A more=([maps]="--policies netEvidence,everyRay" [threads]="--threads 1,2"
         [once]="--policy oncePerScan")
-    local -A used=([peers]=$few [paper]=$few [once]=$few)
-    for run in maps grid3d grid octree threads peers paper once; do
+    local -A used=([peers]=$few [once]=$few)
+    for run in maps grid3d grid octree threads peers once; do
         # shellcheck disable=SC2086  # options are several words
         "$program" compare "$input" --resolutions "$resolutions" \
             --scans "${used[$run]:-$scans}" --engines "${engines[$run]}" ${more[$run]:-} \

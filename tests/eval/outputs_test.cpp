@@ -81,9 +81,10 @@ Trajectory trajectory(int which) {
 mrpt::maps::CSimpleMap makeKeyFrames(int which) {
     mrpt::maps::CSimpleMap map;
     for (int i = 0; i < 20 + which; ++i) {
-        const mrpt::poses::CPose3DPDFGaussian pose(mrpt::poses::CPose3D(i, 0, 0));
-        mrpt::obs::CSensoryFrame frame;
-        frame.insert(scanOfRange(3));
+        const auto pose =
+            mrpt::poses::CPose3DPDFGaussian::Create(mrpt::poses::CPose3D(i, 0, 0));
+        const auto frame = mrpt::obs::CSensoryFrame::Create();
+        frame->insert(scanOfRange(3));
         map.insert(pose, frame);
     }
     return map;

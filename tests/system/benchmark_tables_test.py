@@ -80,6 +80,22 @@ class BenchmarkTables(ProgramTest):
         self.assertTrue(any(line.startswith("| indoor 0.4 m | 1 | 30 | 20 | 1.5 |")
                             for line in lines))
 
+    def test_the_papers_policy_stands_beside_the_default(self):
+        result = self.bench_json("a.json", "compare", "indoor", "--resolutions", "0.4",
+                                 "--engines", "octomap,grid,octree", "--policies",
+                                 "netEvidence,everyRay")
+        document = json.loads(result.read_text())
+        times = {("octomap", "oncePerScan"): 100, ("grid", "netEvidence"): 12,
+                 ("grid", "everyRay"): 10, ("octree", "netEvidence"): 21,
+                 ("octree", "everyRay"): 20}
+        self.assertEqual(len(document["runs"]), len(times))
+        for run in document["runs"]:
+            run["cpu_ms_per_scan"] = times[run["engine"], run["policy"]]
+        result.write_text(json.dumps(document))
+        lines = self.tables(result).splitlines()
+        self.assertIn("| indoor 0.4 m | 1 | 100 | - | 12 | 21 |", lines)
+        self.assertIn("| indoor 0.4 m | 12 | 10 | 1.2 | 21 | 20 | 1.05 |", lines)
+
     def test_mrpts_octomap_needs_no_octomap(self):
         result = self.timed_json({"mrpt-octomap": 30, "grid": 20})
         self.assertTrue(any(line.startswith("| indoor 0.4 m | 1 | - | 30 | - | 20 | - |")

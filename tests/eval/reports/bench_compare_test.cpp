@@ -190,11 +190,36 @@ TEST(Compare, noticesMapsThatDiffer) {
     EXPECT_TRUE(digestConflicts(others).empty());
 }
 
+TEST(Compare, policiesTakeTurnsInOneRun) {
+    TempFolder folder;
+    auto request = smallRequest(folder);
+    request.resolutions = {0.2};
+    request.threads = {1};
+    request.engines = {"octomap", "grid", "octree"};
+    request.policies = {UpdatePolicy::netEvidence, UpdatePolicy::everyRay};
+    const auto runs = run(request);
+    std::vector<std::string> found;
+    for (const auto& r : runs) found.push_back(r.engine + " " + r.policy);
+    EXPECT_EQ(found, (std::vector<std::string>{"octomap oncePerScan", "grid netEvidence",
+                                               "grid everyRay", "octree netEvidence",
+                                               "octree everyRay"}));
+    EXPECT_EQ(runs[1].digest, runs[3].digest);
+    EXPECT_EQ(runs[2].digest, runs[4].digest);
+    EXPECT_NE(runs[1].digest, runs[2].digest);
+    EXPECT_TRUE(digestConflicts(runs).empty());
+
+    request.unnecessary = true;
+    EXPECT_THROW(request.validate(), InputError);
+    request.unnecessary = false;
+    request.policies = {UpdatePolicy::everyRay, UpdatePolicy::everyRay};
+    EXPECT_THROW(request.validate(), InputError);
+}
+
 TEST(Compare, unnecessaryTraversalsAreThoseOfSaturatedCells) {
     TempFolder folder;
     auto request = smallRequest(folder);
     request.unnecessary = true;
-    request.policy = UpdatePolicy::everyRay;
+    request.policies = {UpdatePolicy::everyRay};
     request.resolutions = {0.5};
     request.threads = {1};
     request.engines = {"grid-perRay", "grid-culling", "octree-superRays"};
@@ -203,7 +228,7 @@ TEST(Compare, unnecessaryTraversalsAreThoseOfSaturatedCells) {
     std::uint64_t expected = 0;
     BenchEngineOptions options;
     options.resolution = 0.5;
-    options.policy = request.policy;
+    options.policy = UpdatePolicy::everyRay;
     const auto engine = benchEngine("grid-reference").make(options);
     const CellGeometry<3> geometry(0.5);
     for (const PointScan& scan : scans.scans) {

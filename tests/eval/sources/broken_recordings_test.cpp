@@ -135,7 +135,7 @@ std::vector<Sample> samples() {
     frame->insert(makeCloud(1, 2, "LIDAR", 5));
     result.push_back({".rawlog", bytesOf({movement(1), frame})});
     auto map = mrpt::maps::CSimpleMap::Create();
-    map->insert(mrpt::poses::CPose3DPDFGaussian(CPose3D(1, 2, 0)), *frame);
+    map->insert(mrpt::poses::CPose3DPDFGaussian::Create(CPose3D(1, 2, 0)), frame);
     result.push_back({".simplemap", bytesOf({map})});
     return result;
 }

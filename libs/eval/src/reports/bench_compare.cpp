@@ -27,31 +27,39 @@ struct Contestant {
     BenchRun run;
 };
 
+Contestant makeContestant(const PointScans& scans, double resolution,
+                          const CompareRequest& request, const BenchEngineInfo& info,
+                          UpdatePolicy policy, unsigned threads) {
+    Contestant c;
+    c.info = &info;
+    c.options.resolution = resolution;
+    c.options.threads = threads;
+    c.options.policy = policy;
+    c.options.superRayThreshold = request.superRayThreshold;
+    c.options.bounds = scans.bounds;
+    c.run.data = scans.name;
+    c.run.resolution = resolution;
+    c.run.engine = info.name;
+    c.run.threads = threads;
+    c.run.policy = info.ownPolicy.empty() ? toString(policy) : info.ownPolicy;
+    c.run.exact = info.exact;
+    c.run.scans = scans.scans.size();
+    c.run.points = scans.points;
+    if (info.exact && request.unnecessary) c.run.unnecessaryCells = 0;
+    return c;
+}
+
 std::vector<Contestant> makeContestants(const PointScans& scans, double resolution,
                                         const CompareRequest& request) {
+    const std::vector<unsigned> oneThread = {1};
+    const std::vector<UpdatePolicy> itsOwn = {request.policies.front()};
     std::vector<Contestant> all;
     for (const std::string& name : request.engines) {
         const BenchEngineInfo& info = benchEngine(name);
-        const std::vector<unsigned> one = {1};
-        for (const unsigned threads : info.threaded ? request.threads : one) {
-            Contestant c;
-            c.info = &info;
-            c.options.resolution = resolution;
-            c.options.threads = threads;
-            c.options.policy = request.policy;
-            c.options.superRayThreshold = request.superRayThreshold;
-            c.options.bounds = scans.bounds;
-            c.run.data = scans.name;
-            c.run.resolution = resolution;
-            c.run.engine = name;
-            c.run.threads = threads;
-            c.run.policy = info.ownPolicy.empty() ? toString(request.policy) : info.ownPolicy;
-            c.run.exact = info.exact;
-            c.run.scans = scans.scans.size();
-            c.run.points = scans.points;
-            if (info.exact && request.unnecessary) c.run.unnecessaryCells = 0;
-            all.push_back(std::move(c));
-        }
+        for (const UpdatePolicy policy : info.ownPolicy.empty() ? request.policies : itsOwn)
+            for (const unsigned threads : info.threaded ? request.threads : oneThread)
+                all.push_back(
+                    makeContestant(scans, resolution, request, info, policy, threads));
     }
     return all;
 }
@@ -131,6 +139,12 @@ void CompareRequest::validate() const {
         throw InputError("an engine is given twice");
     if (resolutions.empty()) throw InputError("no resolutions given");
     for (const double resolution : resolutions) CellGeometry<3>{resolution};
+    if (policies.empty()) throw InputError("no policy given");
+    if (std::set<UpdatePolicy>(policies.begin(), policies.end()).size() != policies.size())
+        throw InputError("a policy is given twice");
+    if (unnecessary && policies.size() > 1)
+        throw InputError("unnecessary traversals are counted for one policy at a time, not " +
+                         std::to_string(policies.size()));
     if (threads.empty()) throw InputError("no number of threads given");
     for (const unsigned n : threads) {
         IntegratorOptions options;
@@ -177,8 +191,8 @@ std::vector<BenchRun> compareEngines(const PointScans& scans, double resolution,
         const PointScan& scan = scans.scans[i];
         std::optional<VisitCount> needed;
         if (request.unnecessary && exact != all.end())
-            needed = countVisits(scan, resolution, request.policy, request.superRayThreshold,
-                                 *exact->engine->saturation());
+            needed = countVisits(scan, resolution, request.policies.front(),
+                                 request.superRayThreshold, *exact->engine->saturation());
         for (std::size_t turn = 0; turn < all.size(); ++turn) {
             Contestant& c = all[i % 2 == 0 ? turn : all.size() - 1 - turn];
             insertTimed(c, scan);

@@ -52,7 +52,7 @@ PaperRuns runPaper(const PaperRequest& request, std::ostream& log, ProgressMeter
     compare.resolutions = request.resolutions;
     compare.engines = request.engines;
     compare.threads = request.threads;
-    compare.policy = request.policy;
+    compare.policies = {request.policy};
     compare.superRayThreshold = request.superRayThreshold;
     compare.source = request.source;
     compare.worldSeed = request.worldSeed;

@@ -19,12 +19,13 @@ struct CompareRequest {
     std::vector<double> resolutions;      ///< [m]
     std::vector<std::string> engines;     ///< names of benchEngines()
     std::vector<unsigned> threads = {1};  ///< of the engines that have threads
-    UpdatePolicy policy = UpdatePolicy::netEvidence;
+    /// Engines that can are run with each of them.
+    std::vector<UpdatePolicy> policies = {UpdatePolicy::netEvidence};
     std::uint32_t superRayThreshold = 20;
     ScanSourceOptions source;  ///< how recorded data are read; maxScans for all data
     std::uint64_t worldSeed = 1;
     bool peakMemory = false;   ///< one more pass, each engine in a process of its own
-    bool unnecessary = false;  ///< count unnecessary traversals (slow)
+    bool unnecessary = false;  ///< count unnecessary traversals (slow; one policy)
     /// \throws InputError naming what is wrong, before any work
     void validate() const;
 };
