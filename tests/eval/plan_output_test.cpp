@@ -50,7 +50,9 @@ void expectSame(const CSuperRayGridMap2D& map, const mrpt::maps::COccupancyGridM
                 // MRPT takes the half cell beside its grid for the cell at the border.
                 const bool isInside = px > grid.getXMin() && px < grid.getXMax() &&
                                       py > grid.getYMin() && py < grid.getYMax();
-                if (isInside) EXPECT_NEAR(there, 0.5, 0.31) << px << " " << py;
+                if (isInside) {
+                    EXPECT_NEAR(there, 0.5, 0.31) << px << " " << py;
+                }
                 unknownInside += isInside;
             } else if (tolerance > 0) {
                 EXPECT_NEAR(there, 1 - *p, tolerance) << px << " " << py;
