@@ -40,12 +40,25 @@ void checkNumbers(CLI::App& command) {
     }
 }
 
+/// Keeps the line breaks of footers and descriptions, which CLI11 2.5 and later makes
+/// paragraphs of.
+template <class Formatter>
+auto keepLines(Formatter& formatter, int)
+    -> decltype(formatter.enable_footer_formatting(false), void()) {
+    formatter.enable_footer_formatting(false);
+    formatter.enable_description_formatting(false);
+}
+/// Earlier ones keep them.
+template <class Formatter>
+void keepLines(Formatter&, long) {}
+
 int runCommand(const std::string& program, const std::string& description,
                const std::vector<CommandEntry>& entries, int argc, char** argv) {
     CLI::App app(description, program);
     app.require_subcommand(1);
     app.set_version_flag("--version", program + " " SUPERRAY_VERSION);
     app.get_formatter()->column_width(28);
+    keepLines(*app.get_formatter(), 0);
     std::vector<std::pair<const CLI::App*, Command>> commands;
     for (const CommandEntry& entry : entries) {
         CLI::App* subcommand = app.add_subcommand(entry.name, entry.summary);

@@ -4,6 +4,7 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <superray/maps/CSuperRayGridMap3D.h>
 #include <superray/maps/observation_rays.h>
+#include <superray/maps/pose_track.h>
 
 #include <gtest/gtest.h>
 
@@ -70,12 +71,9 @@ void shear(const std::vector<SeenPoint>& points, const Motion& motion, AddPoint 
     scan.sensorPose = Mounting::pose();
     scan.pointcloud = sheared;
     const auto trajectory = motion.knots(scan.timestamp, -0.1, 0.1);
-    const PoseAtTime poseAt = [&](mrpt::Clock::time_point time) {
-        CPose3D pose;
-        bool valid = false;
-        trajectory.interpolate(time, pose, valid);
-        return valid ? std::optional<CPose3D>(pose) : std::nullopt;
-    };
+    PoseTrack track;
+    for (const auto& [time, pose] : trajectory) track.add(time, CPose3D(pose));
+    const PoseAtTime poseAt = [&](mrpt::Clock::time_point time) { return track.at(time); };
     CSuperRayGridMap3D map(0.1);
     const auto returns = readReturns(scan, {1, false, 0, ReturnTimes::read, 0});
     ASSERT_TRUE(returns);
