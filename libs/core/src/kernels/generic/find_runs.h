@@ -24,11 +24,13 @@ std::size_t findRuns(const ClassifiedBatch<Dim>& rays, const RayEnd* ends, std::
     if constexpr (Simd::kRunLanes == 1) {
         for (std::size_t i = 1; i < count; ++i) {
             const std::uint32_t bin = Bins::binOf(rays.subBin[i]);
-            const bool same =
-                (bin == Bins::binOf(rays.subBin[i - 1])) & (bin != rays.unclassified) &
-                (rays.endOffset[i] == rays.endOffset[i - 1]) & (ends[i] == ends[i - 1]);
+            // Without branches: whether rays are alike cannot be foretold.
+            const unsigned same = unsigned{bin == Bins::binOf(rays.subBin[i - 1])} &
+                                  unsigned{bin != rays.unclassified} &
+                                  unsigned{rays.endOffset[i] == rays.endOffset[i - 1]} &
+                                  unsigned{ends[i] == ends[i - 1]};
             *out = static_cast<std::uint32_t>(i);
-            out += same ? 0 : 1;
+            out += 1 - same;
         }
     } else {
         constexpr std::size_t kLanes = Simd::kRunLanes;
