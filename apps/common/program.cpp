@@ -8,10 +8,37 @@
 #include <fcntl.h>
 
 #include <iostream>
+#include <set>
 #include <stdexcept>
 
 namespace superray {
 namespace {
+
+/// CLI11 takes an empty text for 0.
+std::string checkNumber(const std::string& text) {
+    const bool blank = text.find_first_not_of(" \t") == std::string::npos;
+    return blank ? "must be a number, is empty" : "";
+}
+
+/// CLI11 takes -1 for the largest number.
+std::string checkCount(const std::string& text) {
+    const bool digits = text.find_first_not_of("0123456789") == std::string::npos;
+    return !text.empty() && digits ? "" : "'" + text + "' must be a whole number, at least 1";
+}
+
+/// The type name of an option, as help shows it, tells what values it takes.
+void checkNumbers(CLI::App& command) {
+    const std::set<std::string> counts = {"N", "K"};
+    const std::set<std::string> numbers = {"METRES",   "DEGREES", "METRES,DEGREES", "SECONDS",
+                                           "HZ",       "MB",      "PIXELS",         "P",
+                                           "LOW,HIGH", "VALUE"};
+    for (CLI::Option* option : command.get_options({})) {
+        if (counts.count(option->get_type_name()) > 0)
+            option->check(CLI::Validator(checkCount, ""));
+        else if (numbers.count(option->get_type_name()) > 0)
+            option->check(CLI::Validator(checkNumber, ""));
+    }
+}
 
 /// Keeps the line breaks of footers and descriptions, which CLI11 2.5 and later makes
 /// paragraphs of.
@@ -36,6 +63,7 @@ int runCommand(const std::string& program, const std::string& description,
     for (const CommandEntry& entry : entries) {
         CLI::App* subcommand = app.add_subcommand(entry.name, entry.summary);
         commands.emplace_back(subcommand, entry.declare(*subcommand));
+        checkNumbers(*subcommand);
     }
     try {
         app.parse(argc, argv);
@@ -68,7 +96,7 @@ void finishPrinting() {
 }  // namespace
 
 int runProgram(const std::string& program, const std::string& description,
-               const std::vector<CommandEntry>& entries, int errorCode, int argc, char** argv) {
+               const std::vector<CommandEntry>& entries, int argc, char** argv) {
     std::string error;
     try {
         openStandardStreams();
@@ -81,7 +109,7 @@ int runProgram(const std::string& program, const std::string& description,
         error = oneLineCause(e);
     }
     std::cerr << program << ": error: " << error << std::endl;
-    return errorCode;
+    return kError;
 }
 
 }  // namespace superray

@@ -17,13 +17,17 @@ using Command = std::function<int()>;
 struct CommandEntry {
     std::string name, summary;
     /// Declares the options on the subcommand's parser and returns what to run
-    /// once they are parsed.
+    /// once they are parsed. The type name of an option tells what is checked: N is a
+    /// count, METRES, DEGREES, SECONDS and so on are numbers.
     Command (*declare)(CLI::App&);
 };
 
-/// main() of a program with subcommands.
-/// \param errorCode its exit code for errors, which become one line on stderr
+/// Exit codes, the same in all programs. kDifferent: what was compared (maps, engines that
+/// must agree) differs.
+enum ExitCode : int { kSuccess = 0, kDifferent = 1, kError = 2 };
+
+/// main() of a program with subcommands. Errors become one line on stderr, and kError.
 int runProgram(const std::string& program, const std::string& description,
-               const std::vector<CommandEntry>& entries, int errorCode, int argc, char** argv);
+               const std::vector<CommandEntry>& entries, int argc, char** argv);
 
 }  // namespace superray

@@ -7,9 +7,6 @@
 
 namespace superray {
 
-/// Exit codes: 1 also where exact engines do not agree.
-enum ExitCode : int { kSuccess = 0, kError = 1 };
-
 Command declareAccuracy(CLI::App& app);
 Command declareCompare(CLI::App& app);
 Command declarePaper(CLI::App& app);

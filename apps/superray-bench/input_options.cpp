@@ -13,7 +13,8 @@ const char* const kDataHelp =
   indoor    corridor with rooms, 66 scans of 89,446 points
   outdoor   campus, 81 scans of 247,817 points, ranges to 80 m
   walker    hall with a walker and a box that is taken away, 60 scans of 131,072 points
-  a file    .rawlog, .simplemap, .graph, or a KITTI odometry folder
+  a file    .rawlog, .simplemap, .graph, .pcd, .ply, or a folder (KITTI, RGB-D, clouds);
+            'superray-map inspect' tells what is in it
 )";
 
 void addInputOptions(CLI::App& app, ScanSourceOptions& source, std::uint64_t& worldSeed) {

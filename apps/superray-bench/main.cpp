@@ -30,5 +30,5 @@ int main(int argc, char** argv) {
          {"realtime", "Scans at the sensor's rate: how many are lost, and how good is the map",
           declareRealtime},
          {"simulate", "Write the scans of a simulated world as a recording", declareSimulate}},
-        kError, argc, argv);
+        argc, argv);
 }

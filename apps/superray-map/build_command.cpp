@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <superray/eval/input_error.h>
 #include <superray/eval/map_build.h>
 #include <superray/eval/map_output.h>
 #include <superray/eval/map_request.h>
@@ -10,6 +9,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "pose_options.h"
 
 namespace superray {
 namespace {
@@ -34,29 +34,14 @@ struct Arguments {
     std::string output;
     MapRequest map;
     ScanSourceOptions source;
-    std::string poseSource;
-    bool fixedRobot = false, acceptTruncated = false, deskew = false;
+    PoseArguments poses;
+    bool acceptTruncated = false, deskew = false, json = false;
 };
-
-PoseOrigin poseOrigin(const Arguments& arguments) {
-    const bool hasFile = !arguments.source.posesFile.empty();
-    PoseOrigin origin = hasFile                ? PoseOrigin::file
-                        : arguments.fixedRobot ? PoseOrigin::fixed
-                                               : PoseOrigin::input;
-    if (arguments.poseSource.empty()) return origin;
-    const PoseOrigin asked = poseOriginFromString(arguments.poseSource);
-    if (asked == PoseOrigin::file && !hasFile)
-        throw InputError("--pose-source file needs --poses FILE");
-    if (origin != PoseOrigin::input && asked != origin)
-        throw InputError("--pose-source " + arguments.poseSource + " contradicts " +
-                         (hasFile ? "--poses" : "--fixed-robot"));
-    return asked;
-}
 
 ScanSources markAll(const Arguments& arguments, const std::string& sensorLabels) {
     ScanSourceOptions options = arguments.source;
     options.sensorLabel = sensorLabels;
-    options.poses = poseOrigin(arguments);
+    options.poses = poseOrigin(arguments.poses, options);
     if (arguments.acceptTruncated) options.truncation = Truncation::accept;
     ScanSources sources;
     for (const auto& input : arguments.inputs)
@@ -82,6 +67,10 @@ int build(const Arguments& arguments) {
     }
     info.saveToFile(arguments.output);
 
+    if (arguments.json) {
+        std::cout << describeAsJson(report, info, arguments.output);
+        return kSuccess;
+    }
     const auto cells = info.cellTotals();
     std::cout << describe(report) << "rule       " << describeRule(info.options().insertion)
               << "\n"
@@ -117,23 +106,8 @@ Command declareBuild(CLI::App& app) {
                    "Sensor labels to use, comma-separated; default: all")
         ->type_name("LABELS");
     app.add_option("--scans", a.source.maxScans, "Stop after so many scans")->type_name("N");
-    auto* poses = app.add_option("--poses", a.source.posesFile,
-                                 "Robot poses: TUM (t x y z qx qy qz qw) or MRPT (t x y z yaw "
-                                 "pitch roll) text")
-                      ->type_name("FILE");
-    app.add_flag("--fixed-robot", a.fixedRobot, "The robot stays at the map's origin")
-        ->excludes(poses);
-    app.add_option("--pose-source", a.poseSource,
-                   "auto (default), poses, odometry, actions, file or fixed: where the robot "
-                   "poses of a .rawlog come from")
-        ->type_name("SOURCE");
-    app.add_option("--pose-label", a.source.poseLabel,
-                   "Label of the robot poses or of the odometry to use; two labels, separated "
-                   "by a comma: poses that fix an odometry to the map")
-        ->type_name("LABEL");
-    app.add_option("--max-pose-gap", a.source.maxPoseGap,
-                   "Scans between poses that are farther apart in time are left out; default 2")
-        ->type_name("SECONDS");
+    addPoseOptions(app, a.poses, a.source);
+    addDepthCameraOptions(app, a.source);
     app.add_flag(
            "--deskew", a.deskew,
            "The robot moved during each scan: every ray starts where the sensor was at its "
@@ -160,6 +134,7 @@ Command declareBuild(CLI::App& app) {
            "in other times")
         ->type_name("METHOD");
     app.add_option("--threads", a.map.threads, "Threads; default 1")->type_name("N");
+    app.add_flag("--json", a.json, "One JSON object instead of text");
     return [arguments] { return build(*arguments); };
 }
 

@@ -8,11 +8,9 @@
 
 namespace superray {
 
-/// Exit codes; `compare` uses all three.
-enum ExitCode : int { kSuccess = 0, kDifferent = 1, kError = 2 };
-
 Command declareBuild(CLI::App& app);
 Command declareInfo(CLI::App& app);
+Command declareInspect(CLI::App& app);
 Command declareExport(CLI::App& app);
 Command declareCompare(CLI::App& app);
 

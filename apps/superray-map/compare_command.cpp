@@ -11,6 +11,7 @@ namespace superray {
 Command declareCompare(CLI::App& app) {
     struct Arguments {
         std::string a, b;
+        bool json = false;
     };
     auto arguments = std::make_shared<Arguments>();
     app.footer(
@@ -21,9 +22,10 @@ Command declareCompare(CLI::App& app) {
         "  superray-map compare drive.srmap drive.ot && echo same\n");
     app.add_option("A", arguments->a, "Map")->required()->type_name("FILE");
     app.add_option("B", arguments->b, "Map to compare with it")->required()->type_name("FILE");
+    app.add_flag("--json", arguments->json, "One JSON object instead of text");
     return [arguments] {
         const MapDifference difference = compareMapFiles(arguments->a, arguments->b);
-        std::cout << describe(difference);
+        std::cout << (arguments->json ? describeAsJson(difference) : describe(difference));
         return int{difference.identical() ? kSuccess : kDifferent};
     };
 }

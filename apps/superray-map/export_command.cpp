@@ -21,12 +21,18 @@ Command declareExport(CLI::App& app) {
         "  .bt       OctoMap, occupied or free only (3D maps)\n"
         "  .ply      occupied cells as points with probability\n"
         "  .3Dscene  MRPT scene, for SceneViewer3D\n"
-        "  .png      picture\n\n"
+        "  .png      picture; of 2D maps with a .yaml beside it that tells its origin\n"
+        "  .yaml     for ROS's map_server and nav2, with a .pgm beside it (2D maps)\n"
+        "  .gridmap  MRPT's COccupancyGridMap2D (2D maps)\n\n"
         "Examples:\n"
         "  superray-map export drive.srmap drive.ot\n"
+        "  superray-map export plan.srmap plan.yaml\n"
         "  superray-map export hall.srmap hall.png --cut-above 4\n");
-    app.add_option("MAP", arguments->map, "Map (.srmap)")->required()->type_name("FILE");
-    app.add_option("OUT", arguments->output, "File to write: .bt, .ot, .ply, .3Dscene or .png")
+    app.add_option("MAP", arguments->map, "Map: .srmap, .ot or .bt")
+        ->required()
+        ->type_name("FILE");
+    app.add_option("OUT", arguments->output,
+                   "File to write: .bt, .ot, .ply, .3Dscene, .png, .yaml or .gridmap")
         ->required()
         ->type_name("FILE");
     app.add_option("--cut-above", arguments->picture.cutAbove,

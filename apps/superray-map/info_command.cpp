@@ -21,7 +21,9 @@ Command declareInfo(CLI::App& app) {
         "Examples:\n"
         "  superray-map info drive.srmap\n"
         "  superray-map info drive.srmap --json | jq -r .digest\n");
-    app.add_option("MAP", arguments->map, "Map (.srmap)")->required()->type_name("FILE");
+    app.add_option("MAP", arguments->map, "Map: .srmap, .ot or .bt")
+        ->required()
+        ->type_name("FILE");
     app.add_flag("--json", arguments->json, "One JSON object");
     return [arguments] {
         const auto map = loadMap(arguments->map);

@@ -7,8 +7,6 @@
 
 namespace superray {
 
-enum ExitCode : int { kSuccess = 0, kError = 1 };
-
 Command declareBuild(CLI::App& app);
 Command declareEvaluate(CLI::App& app);
 Command declareOptions(CLI::App& app);

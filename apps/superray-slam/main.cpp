@@ -24,5 +24,5 @@ int main(int argc, char** argv) {
         {{"build", "Make trajectory and map from recorded scans", declareBuild},
          {"evaluate", "Errors of a trajectory against the true one", declareEvaluate},
          {"options", "Print every option of the configuration file", declareOptions}},
-        kError, argc, argv);
+        argc, argv);
 }

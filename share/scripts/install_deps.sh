@@ -11,7 +11,7 @@ packages=(
     g++ cmake ninja-build
     libeigen3-dev libmrpt-dev liboctomap-dev libcli11-dev nlohmann-json3-dev
     zlib1g-dev libzstd-dev # recordings are compressed
-    libpng-dev            # pictures of maps
+    libpng-dev            # pictures of maps, depth images
     libtbb-dev            # what GCC's parallel algorithms run in
     libgtest-dev libbenchmark-dev
     gnuplot-nox           # plots of superray-bench paper

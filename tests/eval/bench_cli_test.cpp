@@ -27,7 +27,7 @@ std::string runOk(const TempFolder& folder, const std::string& arguments) {
 void expectError(const TempFolder& folder, const std::string& arguments,
                  const std::string& part) {
     const auto r = run(folder, arguments);
-    EXPECT_EQ(r.code, 1) << arguments;
+    EXPECT_EQ(r.code, 2) << arguments;
     EXPECT_NE(r.error.find("superray-bench: error: "), std::string::npos) << r.error;
     EXPECT_NE(r.error.find(part), std::string::npos) << arguments << "\n" << r.error;
 }
@@ -72,6 +72,8 @@ TEST(BenchCli, simulatesRecordings) {
     expectError(folder, "simulate indoor", "--output");
     expectError(folder, "simulate indoor --scans 0 -o " + out, "at least 1");
     expectError(folder, "simulate indoor -o a.txt", ".rawlog");
+    expectError(folder, "simulate indoor --scans -1 -o " + out, "must be a whole number");
+    expectError(folder, "simulate indoor --seed '' -o " + out, "must be a whole number");
 }
 
 TEST(BenchCli, replaysInRealTime) {
@@ -87,6 +89,8 @@ TEST(BenchCli, replaysInRealTime) {
     ASSERT_EQ(runs.size(), 2u);
     EXPECT_EQ(runs[1]["scans_lost"], 0);
     expectError(folder, "realtime" + in + "--rate 0", "rate");
+    expectError(folder, "realtime" + in + "--rate ''", "must be a number");
+    expectError(folder, "realtime" + in + "--scans -1", "must be a whole number");
     expectError(folder, "realtime absent.rawlog", "absent.rawlog");
 }
 

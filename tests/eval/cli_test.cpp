@@ -89,8 +89,8 @@ TEST(Cli, buildsInspectsExportsAndCompares) {
 
 TEST(Cli, helpTeachesAndVersionIsTold) {
     TempFolder folder;
-    for (const char* arguments :
-         {"--help", "build --help", "info --help", "export --help", "compare --help"})
+    for (const char* arguments : {"--help", "build --help", "inspect --help", "info --help",
+                                  "export --help", "compare --help"})
         EXPECT_NE(runOk(folder, arguments).find("  superray-map "), std::string::npos)
             << arguments;
     EXPECT_NE(runOk(folder, "--version").find("superray-map "), std::string::npos);
@@ -137,6 +137,114 @@ TEST(Cli, saysWhatIsWrongInOneLineAndKeepsTheOldOutput) {
 
     runOk(folder, "build --accept-truncated" + file("cut.rawlog") + "-o" + file("cut.srmap"));
     runOk(folder, "build --fixed-robot" + file("poseless.rawlog") + "-o" + file("one.srmap"));
+}
+
+/// A value of one of our JSON outputs, as Python sees it.
+std::string pythonOf(const TempFolder& folder, const std::string& json,
+                     const std::string& expression) {
+    folder.write("value.json", json);
+    const auto r = runProgram(folder, "python3",
+                              "-c 'import json; j = json.load(open(\"" +
+                                  (folder / "value.json") + "\")); print(" + expression + ")'");
+    EXPECT_EQ(r.code, 0) << r.error << json;
+    return r.out.substr(0, r.out.find('\n'));
+}
+
+TEST(Cli, jsonMeansOneObjectOnStandardOutputEverywhere) {
+    TempFolder folder;
+    if (std::system("python3 -c 'import json' 2>/dev/null") != 0)
+        GTEST_SKIP() << "PYTHON3 ABSENT: JSON NOT TESTED";
+    const std::string in = "'" + makeRecording(folder) + "'";
+    const auto file = [&](const std::string& name) { return " '" + (folder / name) + "'"; };
+    const auto value = [&](const std::string& arguments, const std::string& expression) {
+        return pythonOf(folder, run(folder, arguments + " --json").out, expression);
+    };
+    EXPECT_EQ(value("build " + in + " -o" + file("a.srmap"), "j[\"scans\"]"), "4");
+    runOk(folder, "build " + in + " -o" + file("b.srmap") + " --scans 3");
+    EXPECT_EQ(value("build " + in + " -o" + file("a.srmap"), "j[\"poses\"][0]"),
+              "robot poses 'POSE', 4, 0.0 to 3.0 s");
+    EXPECT_EQ(value("build " + in + " -o" + file("a.srmap"), "j[\"digest\"]"),
+              digestOf(folder, folder / "a.srmap"));
+    EXPECT_EQ(value("compare" + file("a.srmap") + file("a.srmap"), "j[\"identical\"]"), "True");
+    EXPECT_EQ(value("compare" + file("a.srmap") + file("b.srmap"), "j[\"identical\"]"),
+              "False");
+    EXPECT_EQ(value("inspect " + in, "j[\"build\"][\"possible\"], j[\"build\"][\"scans\"]"),
+              "True 4");
+    EXPECT_EQ(value("inspect " + in, "j[\"sensors\"][0][\"label\"]"), "LIDAR");
+    EXPECT_EQ(run(folder, "compare" + file("a.srmap") + file("b.srmap") + " --json").code, 1);
+}
+
+TEST(Cli, inspectTellsWhatThereIsAndWhatBuildWouldDo) {
+    TempFolder folder;
+    const auto good = runOk(folder, "inspect '" + makeRecording(folder) + "'");
+    const auto expectPart = [](const std::string& text, const std::string& part) {
+        EXPECT_NE(text.find(part), std::string::npos) << text;
+    };
+    expectPart(good, "format      MRPT rawlog");
+    expectPart(good, "sensor      'LIDAR' CObservationPointCloud: 4, 0.0 to 3.0 s, 1.00 Hz");
+    expectPart(good, "400 points a scan, ranges ");
+    expectPart(good, "sensor      'POSE' CObservationRobotPose: 4");
+    expectPart(good, "has poses   robot poses 'POSE' (4)");
+    expectPart(good, "build       4 scans");
+    expectPart(good, "poses: robot poses 'POSE', 4, 0.0 to 3.0 s");
+
+    auto gps = makePose(0.5, CPose3D(9, 9, 0, 0, 0, 0));
+    gps->sensorLabel = "GPS";
+    auto external = makeCloud(1, 7);
+    external->pointcloud.reset();
+    external->setAsExternalStorage(
+        "absent.bin",
+        mrpt::obs::CObservationPointCloud::ExternalStorageFormat::MRPT_Serialization);
+    writeRawlog(folder / "b.rawlog", {makePose(0, CPose3D()), gps, makeCloud(0, 1), external});
+    const auto bad = runOk(folder, "inspect '" + (folder / "b.rawlog") + "'");
+    expectPart(bad, "build       not possible: ");
+    expectPart(bad, "robot poses of 2 labels, 'GPS' (1), 'POSE' (1)");
+    expectPart(bad, "external files: 0 of 1 found, missing: absent.bin");
+    expectPart(bad, "looked in   " + (folder / "b_Images"));
+    const auto whole = readWholeFile(folder / "a.rawlog");
+    folder.write("cut.rawlog", whole.substr(0, whole.size() * 3 / 4));
+    expectPart(runOk(folder, "inspect '" + (folder / "cut.rawlog") + "'"), "damage      ");
+    expectError(folder, "inspect '" + (folder / "absent.rawlog") + "'", "no such file");
+    expectError(folder, "inspect '" + folder.write("a.bag", "#ROSBAG V2.0") + "'",
+                "rosbag2rawlog");
+    expectError(
+        folder,
+        "build '" + (folder / "a.rawlog") + "' --sensor X -o '" + (folder / "a.srmap") + "'",
+        "its labels are 'LIDAR' (4)");
+}
+
+TEST(Cli, emptyAndNegativeNumbersAreErrors) {
+    TempFolder folder;
+    const std::string base =
+        "build '" + makeRecording(folder) + "' -o '" + (folder / "a.srmap") + "' ";
+    for (const char* option :
+         {"--resolution ''", "--max-range ' '", "--min-range ''", "--max-pose-gap ''"})
+        expectError(folder, base + option, "must be a number, is empty");
+    for (const char* option : {"--scans -1", "--scans 1.5", "--threads -2", "--scans ''"})
+        expectError(folder, base + option, "must be a whole number, at least 1");
+    expectError(folder, base + "--pose-source gps", "must be one of auto, file");
+    expectError(folder, base + "--pose-source file", "needs --poses FILE");
+}
+
+TEST(Cli, deskewingThatDoesNothingIsTold) {
+    TempFolder folder;
+    const auto summary = runOk(folder, "build '" + makeRecording(folder) + "' --deskew -o '" +
+                                           (folder / "a.srmap") + "'");
+    EXPECT_NE(summary.find("nothing was de-skewed"), std::string::npos) << summary;
+}
+
+TEST(Cli, octomapFilesAreMapsEverywhere) {
+    TempFolder folder;
+    const auto file = [&](const std::string& name) { return " '" + (folder / name) + "' "; };
+    runOk(folder, "build '" + makeRecording(folder) + "' -o" + file("a.srmap"));
+    runOk(folder, "export" + file("a.srmap") + file("a.ot"));
+    runOk(folder, "export" + file("a.srmap") + file("a.bt"));
+    EXPECT_EQ(digestOf(folder, folder / "a.ot"), digestOf(folder, folder / "a.srmap"));
+    EXPECT_NE(runOk(folder, "info" + file("a.bt")).find("CSuperRayOctoMap"), std::string::npos);
+    runOk(folder, "export" + file("a.ot") + file("b.ply"));
+    folder.write("a.ini", "[m_creationOpts]\nload_from = " + (folder / "a.ot") + "\n");
+    runOk(folder, "build '" + (folder / "a.rawlog") + "' --config" + file("a.ini") +
+                      "--section m -o" + file("more.srmap"));
 }
 
 TEST(Cli, jsonIsValid) {

@@ -33,7 +33,7 @@ void fillRoom(CSuperRayMapBase<Dim>& map, int which) {
     const double side = which == 0 ? 2.05 : 2.55;
     Point<Dim> origin = Point<Dim>::Constant(0.05);
     RayBundle<Dim> rays(CellGeometry<Dim>(map.resolution()), origin);
-    for (double a = -2; a <= 2; a += 0.05)
+    for (double a = -side; a <= 2; a += 0.05)
         for (double z = 0.05; z <= 1; z += 0.1) {
             Point<Dim> end = Point<Dim>::Constant(z);
             end[0] = a;
@@ -138,7 +138,9 @@ const std::map<std::string, Kind>& kinds() {
         {"ply", {"m.ply", exporter<CSuperRayGridMap3D>(), {}}},
         {"scene", {"m.3Dscene", exporter<CSuperRayGridMap3D>(), {}}},
         {"picture3D", {"m.png", exporter<CSuperRayGridMap3D>(), {}}},
-        {"picture2D", {"m.png", exporter<CSuperRayGridMap2D>(), {}}},
+        {"picture2D", {"m.png", exporter<CSuperRayGridMap2D>(), {"m.png", "m.yaml"}}},
+        {"plan", {"m.yaml", exporter<CSuperRayGridMap2D>(), {"m.yaml", "m.pgm"}}},
+        {"gridmap", {"m.gridmap", exporter<CSuperRayGridMap2D>(), {}}},
         {"tum",
          {"m.tum",
           [](const std::string& path, int which) { trajectory(which).saveTum(path); },

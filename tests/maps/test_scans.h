@@ -144,6 +144,8 @@ inline TMapOptions unusualOptions() {
     o.insertion.noReturnRange = 2.5;
     o.insertion.sweepDuration = 0.0375;
     o.insertion.sensorLabel = "CLOUD, other label";
+    o.insertion.horizontalTolerance = 12.5;
+    o.insertion.clearAtMaxrange = true;
     o.insertion.heightBandMin = -1.0 / 3;
     o.insertion.heightBandMax = 1.7;
     o.insertion.pointStatistics = true;

@@ -2,6 +2,7 @@
 // superray-slam as a shell runs it.
 
 #include <gtest/gtest.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CRawlog.h>
 #include <superray/core/processors.h>
 #include <superray/eval/trajectory.h>
@@ -69,8 +70,16 @@ TEST_F(SlamProgram, OptionsAreAConfigurationFile) {
     EXPECT_EQ(again.out, options.out);
 }
 
-TEST_F(SlamProgram, ErrorsAreOneLineAndCodeOne) {
+TEST_F(SlamProgram, ErrorsAreOneLineAndCodeTwo) {
     const std::string input = path("room.rawlog");
+    auto planar = mrpt::obs::CObservation2DRangeScan::Create();
+    planar->timestamp = mrpt::Clock::fromDouble(1e9);
+    planar->aperture = 3;
+    planar->maxRange = 20;
+    planar->resizeScanAndAssign(31, 3.0f, true);
+    mrpt::obs::CRawlog rawlog;
+    rawlog.insert(planar);
+    ASSERT_TRUE(rawlog.saveToRawLogFile(folder_ / "planar.rawlog"));
     const struct {
         std::string arguments, part;
     } errors[] = {
@@ -81,12 +90,16 @@ TEST_F(SlamProgram, ErrorsAreOneLineAndCodeOne) {
         {"build " + input + " -o " + path("r.tum") + " --odometry", "no robot poses"},
         {"build " + input + " -o " + path("r.tum") + " --start '1 2'", "six numbers"},
         {"build " + input + " -o " + path("r.tum") + " --max-range 0.1", "none of the"},
+        {"build " + input + " -o " + path("r.tum") + " --resolution ''", "must be a number"},
+        {"build " + input + " -o " + path("r.tum") + " --scans -1", "must be a whole number"},
+        {"build " + input + " -o " + path("r.tum") + " --threads -1", "must be a whole number"},
+        {"build " + path("planar.rawlog") + " -o " + path("r.tum"), "icp-slam"},
         {"evaluate " + input + " " + path("truth.tum"), "room.rawlog"},
         {"nonsense", "superray-slam --help"},
     };
     for (const auto& e : errors) {
         const auto result = run(e.arguments);
-        EXPECT_EQ(result.code, 1) << e.arguments;
+        EXPECT_EQ(result.code, 2) << e.arguments;
         EXPECT_NE(result.error.find(e.part), std::string::npos)
             << e.arguments << " -> " << result.error;
     }
@@ -98,7 +111,7 @@ TEST_F(SlamProgram, TheLiveViewNeedsADisplay) {
         test::runProgram(folder_, "env",
                          "-u DISPLAY '" SUPERRAY_SLAM_APP "' build " + path("room.rawlog") +
                              " -o " + path("r.tum") + " --view");
-    EXPECT_EQ(result.code, 1);
+    EXPECT_EQ(result.code, 2);
     EXPECT_NE(result.error.find("DISPLAY is not set"), std::string::npos) << result.error;
 }
 
@@ -121,7 +134,7 @@ TEST_F(SlamProgram, WhatCannotBeWrittenIsAnError) {
         std::filesystem::create_symlink("/dev/full", folder_ / name);
         const auto r = run("build " + path("room.rawlog") + " -o " + path(name) +
                            " --levels 0.6 --point-spacing 0.3 --resolution 0.2");
-        EXPECT_EQ(r.code, 1) << name;
+        EXPECT_EQ(r.code, 2) << name;
         EXPECT_NE(r.error.find("No space left"), std::string::npos) << r.error;
     }
 }

@@ -3,10 +3,10 @@
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_build.h>
 #include <superray/eval/progress_meter.h>
+#include <superray/maps/observation_rays.h>
 #include <superray/maps/super_ray_map_interface.h>
 
 #include <algorithm>
-#include <sstream>
 
 namespace superray {
 namespace {
@@ -27,11 +27,23 @@ bool insert(mrpt::maps::CMetricMap& map, const Scan& scan, const PoseTrack* traj
     }
 }
 
-/// A line "  name   number  note", left out if the number is 0.
-void addCount(std::ostream& out, const char* name, std::uint64_t number,
-              const char* note = "") {
-    if (number == 0) return;
-    out << "  " << name << formatCount(number) << note << "\n";
+/// Counts a scan that changed nothing.
+void countLeftOut(const mrpt::obs::CObservation& observation, const TInsertionReport& last,
+                  BuildReport& report) {
+    if (last.tilted > 0) {
+        ++report.tiltedScans;
+        return;
+    }
+    ++report.unusable;
+    if (report.unreadable.empty()) report.unreadable = whyUnreadable(observation);
+}
+
+std::string whyNothing(const BuildReport& report) {
+    if (report.tiltedScans > 0)
+        return "planar scans tilted by more than horizontalTolerance, which a 2D map leaves "
+               "out";
+    if (!report.unreadable.empty()) return report.unreadable;
+    return "no ranges or points, or the map's options refuse them";
 }
 
 }  // namespace
@@ -63,10 +75,9 @@ BuildReport buildMap(const ScanSources& sources, mrpt::maps::CMetricMap& map,
             report.readSeconds += reading.seconds();
             if (!scan) break;
             ++report.scans;
-            if (insert(map, *scan, trajectory, limits, report.scans))
-                report.insertion += info.lastInsertion();
-            else
-                ++report.unusable;
+            const bool inserted = insert(map, *scan, trajectory, limits, report.scans);
+            report.insertion += info.lastInsertion();
+            if (!inserted) countLeftOut(*scan->observation, info.lastInsertion(), report);
             progress.scans = report.scans;
             progress.rays = report.insertion.rays;
             progress.seconds = total.seconds();
@@ -81,41 +92,11 @@ BuildReport buildMap(const ScanSources& sources, mrpt::maps::CMetricMap& map,
         report.warnings.push_back(
             "nothing was de-skewed: no scan tells when its points were measured (raw Velodyne "
             "packets do, and 2D scans with sweepDuration)");
-    if (report.unusable == report.scans)
+    if (!report.unreadable.empty()) report.warnings.push_back(report.unreadable);
+    if (report.unusable + report.tiltedScans == report.scans)
         throw InputError("none of the " + std::to_string(report.scans) +
-                         " scans could be inserted: no ranges or points, or the map's options "
-                         "refuse them");
+                         " scans could be inserted: " + whyNothing(report));
     return report;
-}
-
-std::string describe(const BuildReport& r) {
-    const auto& i = r.insertion;
-    std::ostringstream out;
-    out << "scans      " << formatCount(r.scans) << " in " << formatSeconds(r.totalSeconds)
-        << "\n"
-        << "rays       " << formatCount(i.rays) << "\n";
-    for (const auto& poses : r.poses)
-        if (!poses.empty()) out << "poses: " << poses << "\n";
-    out << "time       reading " << formatSeconds(r.readSeconds) << ", rays "
-        << formatSeconds(i.toRaysSeconds) << ", integration "
-        << formatSeconds(i.integrateSeconds) << ", map update " << formatSeconds(i.applySeconds)
-        << "\n";
-    std::ostringstream skipped;
-    addCount(skipped, "scans outside the time of the poses    ", r.skipped.withoutPose);
-    addCount(skipped, "scans in a gap between two poses       ", r.skipped.inPoseGap);
-    addCount(skipped, "scans without a time stamp             ", r.skipped.withoutTime);
-    addCount(skipped, "poses not finite                       ", r.skipped.badPoses);
-    addCount(skipped, "scans of another sensor                ", r.skipped.otherLabel);
-    addCount(skipped, "scans without usable ranges or points  ", r.unusable);
-    addCount(skipped, "points not finite                      ", i.skipped.notFinite);
-    addCount(skipped, "points outside the addressable cells   ", i.skipped.outOfRange);
-    addCount(skipped, "points nearer than the minimum range   ", i.skipped.tooNear);
-    addCount(skipped, "points outside the height band         ", i.outOfHeightBand);
-    addCount(skipped, "rays outside the time of the poses     ", i.withoutPose);
-    addCount(skipped, "measurements without return            ", i.noReturns);
-    out << "left out" << (skipped.str().empty() ? "   nothing\n" : "\n" + skipped.str());
-    for (const auto& warning : r.warnings) out << "warning    " << warning << "\n";
-    return out.str();
 }
 
 }  // namespace superray

@@ -2,12 +2,15 @@
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_compare.h>
 #include <superray/eval/progress_meter.h>
+#include <superray/maps/option_text.h>
 #include <superray/maps/options.h>
+#include <superray/storage/for_each_cell.h>
 #include <superray/storage/map_file.h>
 
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 
@@ -16,15 +19,6 @@ namespace {
 
 bool sameBits(float a, float b) {
     return std::memcmp(&a, &b, sizeof a) == 0;
-}
-
-/// Calls `visit(cell, value)` for every known cell.
-template <int Dim, class Visit>
-void forEachCell(const OccupancyMap<Dim>& map, const Visit& visit) {
-    map.forEachBlock([&](const BlockView<Dim>& block) {
-        for (int i = 0; i < kBlockCells<Dim>; ++i)
-            if (block.known.test(i)) visit(cellInBlock<Dim>(block.key, i), block.values[i]);
-    });
 }
 
 /// A map file of either kind, ready to be compared.
@@ -75,9 +69,10 @@ LoadedMap loadOctomap(const std::string& path) {
 }
 
 LoadedMap load(const std::string& path) {
-    const auto extension = std::filesystem::path(path).extension();
-    if (extension == ".ot" || extension == ".bt") return loadOctomap(path);
-    if (extension == ".srmap") return loadNative(path);
+    const std::string extension = std::filesystem::path(path).extension().string();
+    if (equalIgnoringCase(extension, ".ot") || equalIgnoringCase(extension, ".bt"))
+        return loadOctomap(path);
+    if (equalIgnoringCase(extension, ".srmap")) return loadNative(path);
     throw InputError(path + ": unknown kind of map; known are .srmap, .ot and .bt");
 }
 
@@ -147,6 +142,16 @@ std::string describe(const MapDifference& d) {
     if (!onlyOccupancy) out << "largest difference  " << d.largest << " (log-odds)\n";
     out << (d.identical() ? "identical\n" : "different\n");
     return out.str();
+}
+
+std::string describeAsJson(const MapDifference& d) {
+    const bool onlyOccupancy = d.compared == CellValues::occupancy;
+    const nlohmann::ordered_json json{
+        {"identical", d.identical()}, {"compared", onlyOccupancy ? "occupancy" : "log-odds"},
+        {"cells_a", d.cellsA},        {"cells_b", d.cellsB},
+        {"missing", d.missing},       {"extra", d.extra},
+        {"differing", d.differing},   {"largest_difference", d.largest}};
+    return json.dump(2) + "\n";
 }
 
 template MapDifference compareMaps<2>(const OccupancyMap<2>&, const OccupancyMap<2>&,

@@ -11,17 +11,25 @@
 #include <stdexcept>
 #include <vector>
 
+#include "pictures/plan_output.h"
+
 namespace superray {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kExportExtensions = {".bt", ".ot", ".ply", ".3Dscene", ".png"};
+const std::vector<std::string> kExportExtensions = {".bt",  ".ot",   ".ply",    ".3Dscene",
+                                                    ".png", ".yaml", ".gridmap"};
 
 void writePicture(const SuperRayMapInterface& map, const std::string& path,
                   const PictureOptions& picture) {
-    if (const auto* map2 = dynamic_cast<const CSuperRayMapBase<2>*>(&map))
-        return map2->exportPicture(path);
+    if (const auto* map2 = dynamic_cast<const CSuperRayMapBase<2>*>(&map)) {
+        map2->exportPicture(path);
+        // Where the picture is in the map, as ROS says it.
+        const fs::path image(path);
+        return writePlanYaml(map2->storage(), fs::path(image).replace_extension(".yaml"),
+                             image.filename().string());
+    }
     const auto& map3 = dynamic_cast<const CSuperRayMapBase<3>&>(map);
     writePng(drawMap(map3.storage(), map3.sensorModel(), picture), path);
 }
@@ -39,6 +47,14 @@ void write(const SuperRayMapInterface& map, const std::string& extension,
     if (extension == ".bt" || extension == ".ot") return writeOctomapFile(map, path);
     if (extension == ".ply") return map.exportPly(path);
     if (extension == ".3Dscene") return map.exportScene(path);
+    if (extension == ".yaml" || extension == ".gridmap") {
+        const auto* map2 = dynamic_cast<const CSuperRayMapBase<2>*>(&map);
+        if (map2 == nullptr)
+            throw std::invalid_argument("cannot write " + path + ": " + map.shortClassName() +
+                                        " is a 3D map, " + extension + " files hold 2D maps");
+        if (extension == ".gridmap") return writeGridmap(map2->storage(), path);
+        return writePlan(map2->storage(), map2->sensorModel(), path);
+    }
     writePicture(map, path, picture);
 }
 

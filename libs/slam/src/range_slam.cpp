@@ -89,6 +89,11 @@ std::optional<SlamStep> RangeSlam::process(const Scan& scan) {
     const auto returns =
         readReturns(*scan.observation, {options_.registration.decimation, false, 0});
     if (!returns) return std::nullopt;
+    // One plane does not fix six degrees of freedom.
+    if (returns->planar)
+        throw InputError(
+            "a planar scan cannot be registered in 3D: run MRPT's icp-slam with the plugin "
+            "(share/config_files/icp-slam-superray.ini), or choose other sensors (--sensor)");
     const RegistrationPoints points = thinOut(*returns, options_.registration);
     if (points.points.empty()) return std::nullopt;
     SlamStep step;

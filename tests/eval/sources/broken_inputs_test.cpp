@@ -138,7 +138,7 @@ TEST(BrokenInputs, WhatNeverEndsIsNoInput) {
         };
         EXPECT_THROW(Trajectory::load(named(".tum")), InputError);
         EXPECT_THROW(readOctomapFile(named(".ot")), InputError);
-        for (const char* extension : {".rawlog", ".simplemap", ".graph"})
+        for (const char* extension : {".rawlog", ".simplemap", ".graph", ".pcd", ".PLY"})
             EXPECT_THROW(openScanSource(named(extension), {}), InputError) << extension;
         EXPECT_THROW(CSuperRayGridMap3D().loadFromFile(named(".srmap")), MapFileError);
         MapRequest request;

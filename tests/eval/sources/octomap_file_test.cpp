@@ -147,7 +147,7 @@ TEST(OctomapFile, saysWhatIsWrong) {
         {"", "first line"},
         {"hello\n", "first line"},
         {magic, "no line 'data'"},
-        {magic + "id ColorOcTree\nsize 0\nres 0.1\ndata\n", "'ColorOcTree'"},
+        {magic + "id OcTreeStamped\nsize 0\nres 0.1\ndata\n", "'OcTreeStamped'"},
         {magic + "id OcTree\nsize x\nres 0.1\ndata\n", "size x"},
         {magic + "id OcTree\nsize 0\nres 0\ndata\n", "resolution"},
         {magic + "id OcTree\nsize 0\nres -1\ndata\n", "resolution"},

@@ -85,6 +85,33 @@ TEST(Trajectory, outsideItsTimesThereIsNoPoseButForTheSlack) {
     expectPose(t.at(at(11.04), slack), CPose3D(2, 0, 0, 0, 0, 0), 0);
 }
 
+TEST(Trajectory, readsWhatOtherProgramsMakeOfTables) {
+    TempFolder folder;
+    // A byte order mark, a heading, commas, and carriage returns.
+    const auto commas =
+        Trajectory::load(folder.write("a.csv",
+                                      "\xEF\xBB\xBFtimestamp,x,y,z,qx,qy,qz,qw\r\n"
+                                      "10,1,2,3,0,0,0,1\r\n11, 4, 5, 6, 0, 0, 0, 1\r\n"));
+    ASSERT_EQ(commas.size(), 2u);
+    expectPose(commas.at(at(10)), CPose3D(1, 2, 3, 0, 0, 0), 0);
+    expectPose(commas.at(at(11)), CPose3D(4, 5, 6, 0, 0, 0), 0);
+    const auto marked =
+        Trajectory::load(folder.write("b.tum", "\xEF\xBB\xBF# a comment\n10 1 2 3 0 0 0 1\n"));
+    EXPECT_EQ(marked.size(), 1u);
+    const auto mulran = Trajectory::load(
+        folder.write("global_pose.csv", "1600000000500000000,1,0,0,7,0,1,0,8,0,0,1,9\n"));
+    ASSERT_EQ(mulran.size(), 1u);
+    expectPose(mulran.at(at(1600000000.5)), CPose3D(7, 8, 9, 0, 0, 0), 1e-12);
+}
+
+TEST(Trajectory, skipsAndCountsRowsThatAreNotFinite) {
+    TempFolder folder;
+    const auto t = Trajectory::load(folder.write(
+        "a.tum", "1 0 0 0 0 0 0 1\n2 nan 0 0 0 0 0 1\n3 0 0 inf 0 0 0 1\n4 1 0 0 0 0 0 1\n"));
+    EXPECT_EQ(t.size(), 2u);
+    EXPECT_EQ(t.skippedRows(), 2u);
+}
+
 TEST(Trajectory, saysWhereAFileIsWrong) {
     TempFolder folder;
     struct Case {
@@ -99,7 +126,10 @@ TEST(Trajectory, saysWhereAFileIsWrong) {
         {"1 0 0 0 0 0 0 1\n\n2 0 0 1.5e 0 0 0 1\n", ":3: every column must be a finite number"},
         {"1 0 nan 0 0 0 0 1\n", ":1: every column must be a finite number"},
         {"1 0 0 inf 0 0 0\n", ":1: every column must be a finite number"},
-        {"1,0,0,0,0,0,0,1\n", ":1: every column must be a finite number"},
+        {"1,0,0,0,0,0,0,a\n", ":1: every column must be a finite number"},
+        {"1 0 0 0 0 1 0 0 0 0 1 0\n", "KITTI's 12 columns have no times"},
+        {"1 2 0 0 0 0 1 0 0 0 0 1 0\n", ":1: the left 3x3 part"},
+        {"t,x,y,z\n", "holds no pose"},
         {"1 0 0 0 0 0 0 0\n", ":1: the quaternion"},
         {"1 0 0 0 0 0 0 1.1\n", ":1: the quaternion"},
         {"1500000000000000000 0 0 0 0 0 0 1\n", ":1: time"},

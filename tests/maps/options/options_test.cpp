@@ -28,7 +28,7 @@ TEST(Options, TextRoundTripKeepsEveryBit) {
     // default.
     const std::string defaults = TMapOptions().toText();
     ASSERT_EQ(linesOf(text), linesOf(defaults));
-    ASSERT_EQ(linesOf(text), 4u + 7u + 21u + 5u + 6u);
+    ASSERT_EQ(linesOf(text), 4u + 7u + 23u + 5u + 6u);
     std::istringstream a(text), b(defaults);
     std::size_t same = 0;
     for (std::string x, y; std::getline(a, x) && std::getline(b, y);) same += x == y ? 1 : 0;

@@ -112,6 +112,31 @@ TYPED_TEST(MapQueries, NearestObstacle) {
     EXPECT_FALSE(TypeParam(0.1).nearestObstacle({0, 0, 0}, 1e9));
 }
 
+TYPED_TEST(MapQueries, NearestObstacleAtTheBorderOfTheAddressableCells) {
+    constexpr int Dim = dimensionOf<TypeParam>;
+    const double all = std::numeric_limits<double>::infinity();
+    Eigen::Vector3d obstacle = Eigen::Vector3d::Zero();
+    obstacle.head<Dim>().setConstant((kCellLimit - 0.5) * 0.1);  // the last cell
+    RayBundle<Dim> rays(CellGeometry<Dim>(0.1),
+                        Point<Dim>(obstacle.head<Dim>() - Point<Dim>::Constant(1)));
+    rays.add(obstacle.head<Dim>());
+    TypeParam map(0.1);
+    map.insertRays(rays);
+    ASSERT_TRUE(map.isOccupied(obstacle));
+    // Beside it, at the other border, and outside of the cells.
+    for (const double offset : {-0.15, -5.0, -2 * 3276.7, 0.15, 40.0, 1e6}) {
+        Eigen::Vector3d p = obstacle;
+        p.x() += offset;
+        const auto found = map.nearestObstacle(p, all);
+        ASSERT_TRUE(found) << offset;
+        EXPECT_LT((found->cellCenter - obstacle).norm(), 1e-9);
+        EXPECT_NEAR(found->distance, std::abs(offset) - 0.05, 1e-6);
+        EXPECT_FALSE(map.nearestObstacle(p, std::abs(offset) - 0.06));
+        EXPECT_TRUE(map.nearestObstacle(p, std::abs(offset)));
+    }
+    EXPECT_FALSE(map.nearestObstacle({all, 0, 0}, all));
+}
+
 TYPED_TEST(MapQueries, SquaredDistanceFromAbove) {
     constexpr int Dim = dimensionOf<TypeParam>;
     for (int i = 0; i < 50; ++i) {
@@ -156,7 +181,7 @@ TYPED_TEST(MapQueries, RaysMeetTheFirstCellOfTheirLine) {
     constexpr int Dim = dimensionOf<TypeParam>;
     const auto& geometry = this->map_.storage().geometry();
     std::map<RayCastEnd, std::size_t> ends;
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < 1000; ++i) {
         const auto origin = this->randomPoint(2), direction = this->randomPoint(1);
         const double range = i % 4 == 0 ? 1.5 : 8;
         const auto policy = i % 2 == 0 ? UnknownCells::pass : UnknownCells::stop;

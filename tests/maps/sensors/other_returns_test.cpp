@@ -178,26 +178,45 @@ TEST(ToRays, TwoDimensionsProjectTheHeightBand) {
     const auto rays =
         toRays(*returns, test::someRobotPose(), CellGeometry<2>(0.1), options, report);
     const auto T = test::someRobotPose() + test::someSensorPose();
-    std::size_t inBand = 0;
+    std::vector<Point<2>> expected, hits;
+    std::size_t crossing = 0;
     for (const auto& p : returns->hits) {
         mrpt::math::TPoint3D q;
         T.composePoint(p.x(), p.y(), p.z(), q.x, q.y, q.z);
-        if (q.z < 1.0 || q.z > 2.5) continue;
-        ASSERT_LT(inBand, rays.size());
-        EXPECT_LT((rays.end(inBand) - Point<2>(q.x, q.y)).norm(), 1e-9);
-        ++inBand;
+        if (q.z >= 1.0 && q.z <= 2.5) expected.emplace_back(q.x, q.y);
+        crossing += std::max(q.z, T.z()) >= 1.0 && std::min(q.z, T.z()) <= 2.5;
     }
-    EXPECT_EQ(inBand, rays.size());
-    EXPECT_EQ(report.outOfHeightBand, 2000 - inBand);
-    EXPECT_GT(inBand, 200u);
-    EXPECT_LT(inBand, 1800u);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        if (rays.kind(i) == RayEnd::hit) hits.push_back(rays.end(i));
+    ASSERT_EQ(hits.size(), expected.size());
+    for (std::size_t i = 0; i < hits.size(); ++i)
+        EXPECT_LT((hits[i] - expected[i]).norm(), 1e-9);
+    // What ends outside the band clears what it crosses inside.
+    EXPECT_EQ(rays.size(), crossing);
+    EXPECT_EQ(report.outOfHeightBand, 2000 - hits.size());
+    EXPECT_GT(hits.size(), 200u);
+    EXPECT_GT(rays.size(), hits.size());
 
-    // A 2D scan has no heights to choose from.
-    const auto planar = readReturns(*test::planarScan(), {});
-    options.heightBandMin = 100;
-    options.heightBandMax = 101;
-    EXPECT_EQ(toRays(*planar, {}, CellGeometry<2>(0.1), options, report).size(), 45u);
-    EXPECT_EQ(toRays(*planar, {}, CellGeometry<3>(0.1), options, report).size(), 45u);
+    // In 3D, returns outside the band are left out.
+    TInsertionReport report3;
+    const auto rays3 =
+        toRays(*returns, test::someRobotPose(), CellGeometry<3>(0.1), options, report3);
+    EXPECT_EQ(rays3.size(), hits.size());
+    EXPECT_EQ(report3.outOfHeightBand, 2000 - hits.size());
+}
+
+TEST(ToRays, PlanarScansKeepToTheHeightBand) {
+    const auto planar = readReturns(*test::planarScan(), {});  // 0.4 m up
+    TInsertionOptions options;
+    for (const bool isInside : {true, false}) {
+        options.heightBandMin = isInside ? 0.3 : 100;
+        options.heightBandMax = isInside ? 0.5 : 101;
+        TInsertionReport report;
+        const std::size_t rays = isInside ? 45 : 0;
+        EXPECT_EQ(toRays(*planar, {}, CellGeometry<2>(0.1), options, report).size(), rays);
+        EXPECT_EQ(toRays(*planar, {}, CellGeometry<3>(0.1), options, report).size(), rays);
+        EXPECT_EQ(report.outOfHeightBand, isInside ? 0u : 90u);
+    }
 }
 
 TEST(ToRays, RangesAreLimitedAndBadPointsCounted) {

@@ -26,6 +26,11 @@ std::unique_ptr<CompressedInput> openInput(const std::string& path) {
     }
 }
 
+std::string bytesOf(const CompressedInput& file) {
+    return file.compression() == Compression::none ? " of " + std::to_string(file.fileSize())
+                                                   : std::string(" of the uncompressed data");
+}
+
 std::string readFailure(CompressedInput& file, const std::exception& error) {
     const bool atEnd = file.atEnd();
     if (!file.error().empty()) return file.error();
@@ -72,6 +77,7 @@ CSerializable::Ptr ObjectReader::next() {
 }
 
 CSerializable::Ptr ObjectReader::read() {
+    start_ = file_->getPosition();
     try {
         return readObject(*file_);
     } catch (const std::exception& e) {
@@ -84,9 +90,8 @@ CSerializable::Ptr ObjectReader::read() {
 
 void ObjectReader::fail(const std::string& why) const {
     const std::string message = path_ + ": " + why + ", after " + std::to_string(objects_) +
-                                " whole objects, at byte " +
-                                std::to_string(file_->fileOffset()) + " of " +
-                                std::to_string(file_->fileSize());
+                                " whole objects, in the one at byte " + std::to_string(start_) +
+                                bytesOf(*file_);
     const bool isWholeSoFar =
         file_->error().empty() && (file_->atEnd() || isOfUnknownClass(why));
     if (file_->truncated() || isWholeSoFar) throw TruncatedInputError(message);

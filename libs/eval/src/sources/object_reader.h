@@ -26,6 +26,10 @@ class TruncatedInputError : public InputError {
 /// Opens a gzip, zstd or plain file. \throws InputError
 std::unique_ptr<CompressedInput> openInput(const std::string& path);
 
+/// What a position in the input is counted of: " of 1234" for its size, or " of the
+/// uncompressed data".
+std::string bytesOf(const CompressedInput& file);
+
 /// What failed when MRPT read an object: of the compressed data, or of the object.
 /// Says so if a newer MRPT wrote it.
 std::string readFailure(CompressedInput& file, const std::exception& error);
@@ -59,6 +63,7 @@ class ObjectReader {
     std::unique_ptr<ReadGuard> guard_;  ///< of files of unknown state
     std::deque<mrpt::serialization::CSerializable::Ptr> pending_;
     std::uint64_t objects_ = 0;
+    std::uint64_t start_ = 0;  ///< where the object that was read last begins
 };
 
 }  // namespace superray

@@ -64,13 +64,29 @@ class SensorNumbers {
     std::map<std::string, unsigned> numbers_;
 };
 
+/// How many scans there are of each label.
+class LabelCounts {
+ public:
+    void see(const std::string& label) { ++counts_[label]; }
+    /// E.g. "'FRONT' (20), 'REAR' (20)".
+    std::string list() const {
+        std::string text;
+        for (const auto& [label, count] : counts_)
+            text += (text.empty() ? "'" : ", '") + label + "' (" + std::to_string(count) + ")";
+        return text;
+    }
+
+ private:
+    std::map<std::string, std::uint64_t> counts_;
+};
+
 class RawlogSource final : public ScanSource {
  public:
     RawlogSource(const std::string& path, const ScanSourceOptions& options)
         : path_(path), options_(options), folders_(path) {
         readIndex();
         const auto& scans = index_.recorded.scans;
-        if (scans.empty()) throwNoScans(path_, options_, skipped_);
+        if (scans.empty()) throwNoScans(path_, options_, skipped_, labels_.list());
         poses_.emplace(index_.recorded, options_, path_);
         std::uint64_t posed = 0;
         for (const ScanPlace& s : scans) posed += poses_->at(s.place).pose.has_value();
@@ -160,6 +176,7 @@ class RawlogSource final : public ScanSource {
 
     void addToIndex(const CObservation& observation, const Place& place) {
         index_.recorded.streams.add(observation, place);
+        if (isRangeObservation(observation)) labels_.see(observation.sensorLabel);
         if (isRangeObservation(observation) && hasWantedLabel(observation, options_, skipped_))
             index_.recorded.scans.push_back({place, sensors_.of(observation)});
     }
@@ -184,6 +201,7 @@ class RawlogSource final : public ScanSource {
     ScanSourceOptions options_;
     ExternalFolders folders_;
     SensorNumbers sensors_;
+    LabelCounts labels_;  // of range sensors
     Index index_;
     std::optional<ScanPoses> poses_;  // set from the index
     std::uint64_t total_ = 0, delivered_ = 0;

@@ -109,16 +109,16 @@ void readAhead(int pipe, const std::function<ReadGuard::Step()>& makeStep) {
 
 }  // namespace
 
-ReadGuard::ReadGuard(std::string path, const std::function<Step()>& makeStep)
-    : path_(std::move(path)) {
-    const std::uint64_t fileSize = sizeOf(path_);
+ReadGuard::ReadGuard(std::string path, const std::function<Step()>& makeStep,
+                     std::optional<std::uint64_t> bytes)
+    : path_(std::move(path)), bytes_(bytes ? *bytes : sizeOf(path_)) {
     int ends[2] = {-1, -1};
     if (::pipe2(ends, O_CLOEXEC) != 0)
         throw InputError(path_ + ": cannot be read: " + std::strerror(errno));
     const pid_t parent = ::getpid();
     child_ = ::fork();
     if (child_ == 0) {
-        enterChild(parent, fileSize);
+        enterChild(parent, bytes_);
         readAhead(ends[1], makeStep);
         ::_exit(0);  // nothing of the parent's is flushed or destroyed
     }
@@ -162,7 +162,7 @@ void ReadGuard::failAsChild(char kind) {
     if (kind == kTruncated) throw TruncatedInputError(message);
     if (kind == kMemory)
         throw InputError(path_ + ": is damaged: it asks for more than " +
-                         std::to_string(memoryLimit(sizeOf(path_)) / kMegabyte) +
+                         std::to_string(memoryLimit(bytes_) / kMegabyte) +
                          " MiB of memory, after " + std::to_string(steps_) + " whole objects");
     throw InputError(message);
 }
@@ -174,9 +174,9 @@ void ReadGuard::failAsDead() {
     const bool tooLong = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
     const std::string why =
         tooLong
-            ? "reading on takes more than " + std::to_string(secondsLimit(sizeOf(path_))) +
+            ? "reading on takes more than " + std::to_string(secondsLimit(bytes_)) +
                   " s of processor time"
-            : "reading on crashes MRPT" +
+            : "reading on crashes the library that reads it" +
                   (WIFSIGNALED(status) ? " (" + std::string(::strsignal(WTERMSIG(status))) + ")"
                                        : std::string());
     throw InputError(path_ + ": is damaged: " + why + ", after " + std::to_string(steps_) +

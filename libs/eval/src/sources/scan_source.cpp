@@ -15,13 +15,6 @@
 namespace superray {
 namespace {
 
-namespace fs = std::filesystem;
-
-bool endsWith(const std::string& text, const std::string& end) {
-    return text.size() >= end.size() &&
-           text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 std::string asSeconds(Trajectory::Time time) {
     char text[40];
     std::snprintf(text, sizeof text, "%.3f", mrpt::Clock::toDouble(time));
@@ -109,52 +102,14 @@ void throwNoScanHasPose(const std::string& path, const ScanSourceOptions& option
 }
 
 void throwNoScans(const std::string& path, const ScanSourceOptions& options,
-                  const SkippedObservations& skipped) {
+                  const SkippedObservations& skipped, const std::string& labels) {
     if (skipped.otherLabel > 0)
         throw InputError(path + ": none of its " + std::to_string(skipped.otherLabel) +
-                         " scans has the sensor label '" + options.sensorLabel + "'");
+                         " scans has the sensor label '" + options.sensorLabel + "'" +
+                         (labels.empty() ? "" : "; its labels are " + labels));
     throw InputError(path +
                      ": holds no scans (laser, depth, Velodyne or point-cloud "
                      "observations)");
-}
-
-namespace {
-
-std::unique_ptr<ScanSource> openAnySource(const std::string& path,
-                                          const ScanSourceOptions& options) {
-    if (options.maxScans == 0) throw InputError("the number of scans must be at least 1");
-    std::error_code error;
-    if (!fs::exists(path, error)) throw InputError(path + ": no such file or folder");
-    const bool isRawlog = endsWith(path, ".rawlog") || endsWith(path, ".rawlog.gz");
-    const bool asksRawlog = options.poses != PoseOrigin::input &&
-                            options.poses != PoseOrigin::file &&
-                            options.poses != PoseOrigin::fixed;
-    if (asksRawlog && !isRawlog)
-        throw InputError(path + ": has no choice of poses '" + toString(options.poses) +
-                         "' (rawlogs may have)");
-    if (!options.poseLabel.empty() && !isRawlog)
-        throw InputError(path + ": its poses have no labels, so '" + options.poseLabel +
-                         "' is not among them (rawlogs may have)");
-    if (!(options.maxPoseGap >= 0))
-        throw InputError("the longest gap between poses must be at least 0 s");
-    if (fs::is_directory(path, error)) return openKitti(path, options);
-    requireRegularFile(path);
-    if (endsWith(path, ".simplemap") || endsWith(path, ".simplemap.gz"))
-        return openSimpleMap(path, options);
-    if (endsWith(path, ".graph")) return openScanGraph(path, options);
-    if (isRawlog) return openRawlog(path, options);
-    throw InputError(path +
-                     ": unknown input; known are .rawlog, .simplemap, .graph (OctoMap) and "
-                     "KITTI odometry folders");
-}
-
-}  // namespace
-
-std::unique_ptr<ScanSource> openScanSource(const std::string& path,
-                                           const ScanSourceOptions& options) {
-    auto source = openAnySource(path, options);
-    source->setMaxPoseGap(options.maxPoseGap);
-    return source;
 }
 
 }  // namespace superray

@@ -13,8 +13,22 @@ namespace superray {
 std::unique_ptr<ScanSource> openRawlog(const std::string& path, const ScanSourceOptions&);
 std::unique_ptr<ScanSource> openSimpleMap(const std::string& path, const ScanSourceOptions&);
 std::unique_ptr<ScanSource> openScanGraph(const std::string& path, const ScanSourceOptions&);
+std::unique_ptr<ScanSource> openClouds(const std::string& path, const ScanSourceOptions&);
 std::unique_ptr<ScanSource> openKitti(const std::filesystem::path& folder,
                                       const ScanSourceOptions&);
+std::unique_ptr<ScanSource> openKittiRaw(const std::filesystem::path& folder,
+                                         const ScanSourceOptions&);
+std::unique_ptr<ScanSource> openRgbd(const std::filesystem::path& folder,
+                                     const ScanSourceOptions&);
+std::unique_ptr<ScanSource> openTimedBins(const std::filesystem::path& folder,
+                                          const ScanSourceOptions&);
+
+inline constexpr const char* kRawlogFormat = "MRPT rawlog";
+
+/// What an input is, by its name and contents, e.g. kRawlogFormat.
+/// \throws InputError if there is nothing, or nothing that is known: says what it looks
+///         like, and how to convert it
+std::string recordingFormat(const std::string& path);
 
 /// True for the observations that become rays: laser, depth and point scans.
 bool isRangeObservation(const mrpt::obs::CObservation& observation);
@@ -67,7 +81,9 @@ void countWithoutPose(const PoseAnswer& answer, SkippedObservations& skipped);
                                      const PoseTrack* poses);
 
 /// The error of an input without scans, naming the label that was asked for.
+/// \param labels those that there are, for people
 [[noreturn]] void throwNoScans(const std::string& path, const ScanSourceOptions& options,
-                               const SkippedObservations& skipped);
+                               const SkippedObservations& skipped,
+                               const std::string& labels = {});
 
 }  // namespace superray

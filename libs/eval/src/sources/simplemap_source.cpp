@@ -31,8 +31,7 @@ mrpt::maps::CSimpleMap readSimpleMap(const std::string& path) {
     }
     if (!why.empty())
         throw InputError(path + ": is not a whole simplemap: " + why + ", at byte " +
-                         std::to_string(file->fileOffset()) + " of " +
-                         std::to_string(file->fileSize()));
+                         std::to_string(file->getPosition()) + bytesOf(*file));
     return map;
 }
 

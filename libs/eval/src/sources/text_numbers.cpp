@@ -1,27 +1,58 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sources/text_numbers.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
 namespace superray {
 namespace {
 constexpr char kBlanks[] = " \t\r";
+constexpr char kSeparators[] = " \t\r,;";
+
+/// Calls visit(first, last) for each word, until it returns false.
+template <class Visit>
+bool forEachWord(const std::string& line, const char* separators, const Visit& visit) {
+    auto begin = line.find_first_not_of(separators);
+    while (begin != std::string::npos) {
+        const auto end = std::min(line.find_first_of(separators, begin), line.size());
+        if (!visit(&line[begin], line.data() + end)) return false;
+        begin = line.find_first_not_of(separators, end);
+    }
+    return true;
 }
 
-std::optional<std::vector<double>> parseNumbers(const std::string& line) {
+std::optional<std::vector<double>> parseWords(const std::string& line, const char* separators) {
     std::vector<double> numbers;
-    auto begin = line.find_first_not_of(kBlanks);
-    while (begin != std::string::npos) {
-        const auto end = std::min(line.find_first_of(kBlanks, begin), line.size());
+    const bool good = forEachWord(line, separators, [&](const char* first, const char* last) {
         double value = 0;
-        const auto [rest, error] = std::from_chars(&line[begin], line.data() + end, value);
-        if (error != std::errc{} || rest != line.data() + end || !std::isfinite(value))
-            return std::nullopt;
+        const auto [rest, error] = std::from_chars(first, last, value);
         numbers.push_back(value);
-        begin = line.find_first_not_of(kBlanks, end);
-    }
+        return error == std::errc{} && rest == last;
+    });
+    if (!good) return std::nullopt;
     return numbers;
+}
+
+}  // namespace
+
+std::optional<std::vector<double>> parseNumbers(const std::string& line) {
+    auto numbers = parseWords(line, kBlanks);
+    if (!numbers || !std::all_of(numbers->begin(), numbers->end(),
+                                 [](double v) { return std::isfinite(v); }))
+        return std::nullopt;
+    return numbers;
+}
+
+std::optional<std::vector<double>> parseRow(const std::string& line) {
+    return parseWords(line, kSeparators);
+}
+
+bool isHeading(const std::string& line) {
+    return forEachWord(line, kSeparators, [](const char* first, const char* last) {
+        double value = 0;
+        return std::from_chars(first, last, value).ec == std::errc::invalid_argument;
+    });
 }
 
 bool isCommentLine(const std::string& line) {

@@ -13,6 +13,13 @@ namespace superray {
 /// entirely a finite number.
 std::optional<std::vector<double>> parseNumbers(const std::string& line);
 
+/// The numbers of a line of a table, separated by blanks or commas; they may be NaN or
+/// infinite. Nothing if any word is not entirely a number.
+std::optional<std::vector<double>> parseRow(const std::string& line);
+
+/// True if a line has words, but none that begins like a number: a heading.
+bool isHeading(const std::string& line);
+
 /// True for lines without data: empty, blank, or starting with # or %.
 bool isCommentLine(const std::string& line);
 

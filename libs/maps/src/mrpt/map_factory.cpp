@@ -5,6 +5,7 @@
 #include <superray/maps/CSuperRayGridMap3D.h>
 #include <superray/maps/CSuperRayOctoMap.h>
 #include <superray/maps/CSuperRayQuadMap.h>
+#include <superray/maps/octomap_input.h>
 
 #include <array>
 #include <stdexcept>
@@ -78,16 +79,21 @@ MapPtr createMapFromConfig(const mrpt::config::CConfigFileBase& source,
     return created;
 }
 
-MapPtr loadMap(const std::string& srmapPath) {
+MapPtr loadMap(const std::string& path) {
+    if (isOctomapFile(path)) {
+        const auto map = std::make_shared<CSuperRayOctoMap>();
+        map->loadFromFile(path);
+        return map;
+    }
     // Reads the file twice in the worst case; the cells stay packed here.
-    const std::string name = loadMapFile(srmapPath).header.className;
+    const std::string name = loadMapFile(path).header.className;
     MapPtr map;
     try {
         map = createMap(name);
     } catch (const std::invalid_argument& e) {
-        throw MapFileError(srmapPath + ": " + e.what());
+        throw MapFileError(path + ": " + e.what());
     }
-    dynamic_cast<SuperRayMapInterface&>(*map).loadFromFile(srmapPath);
+    dynamic_cast<SuperRayMapInterface&>(*map).loadFromFile(path);
     return map;
 }
 

@@ -12,7 +12,9 @@
 #include <iterator>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
+#include "mrpt/return_columns.h"
 #include "views/voxel_view.h"
 
 namespace superray {
@@ -35,6 +37,7 @@ template <int Dim>
 template <class ToBundle>
 bool CSuperRayMapBase<Dim>::insertReturns(const mrpt::obs::CObservation& observation,
                                           ReturnTimes times, ToBundle toBundle) {
+    last_ = {};
     if (!insertionOptions.acceptsSensor(observation.sensorLabel)) return false;
     insertionOptions.validate();
     Stopwatch watch;
@@ -45,7 +48,8 @@ bool CSuperRayMapBase<Dim>::insertReturns(const mrpt::obs::CObservation& observa
     TInsertionReport report;
     const RayBundle<Dim> rays = toBundle(*returns, report);
     report.toRaysSeconds = watch.lap();
-    integrate(rays, report);
+    const bool isColumn = Dim == 2 && !returns->planar;
+    integrate(rays, report, isColumn ? HitCells::notMissed : HitCells::missedToo);
     return !rays.empty();
 }
 
@@ -110,7 +114,7 @@ void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>& rays) {
                                     " m; must be " + std::to_string(resolution()) + " m");
     TInsertionReport report;
     report.skipped = rays.skipped();
-    integrate(rays, report);
+    integrate(rays, report, HitCells::missedToo);
 }
 
 template <int Dim>
@@ -129,12 +133,28 @@ void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>& rays) {
 }
 
 template <int Dim>
-void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionReport report) {
+void CSuperRayMapBase<Dim>::apply(const CellCountMap<Dim>& counts) {
+    recordChange(counts);
+    view_->applied(counts);
+    storage_.writable().apply(counts, sensorModel(), insertionOptions.policy);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::apply(const UpdateBatch<Dim>& batch) {
+    recordChange(batch);
+    view_->applied(batch);
+    storage_.writable().apply(batch, sensorModel(), insertionOptions.policy,
+                              insertionOptions.threads);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionReport report,
+                                      HitCells hitCells) {
     report.rays = rays.size();
     if (!rays.empty()) {
         report.scans = 1;
         try {
-            applyRays(rays, report);
+            applyRays(rays, hitCells, report);
         } catch (...) {
             // Some blocks may be new already: what is derived from them is made anew.
             contentsChanged();
@@ -146,43 +166,50 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
 }
 
 template <int Dim>
-void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>& rays, TInsertionReport& report) {
+void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>& rays, HitCells hitCells,
+                                      TInsertionReport& report) {
     const SensorModel model = sensorModel();
     const IntegratorOptions integration = insertionOptions.integratorOptions();
     OccupancyMap<Dim>& map = storage_.writable();
     Stopwatch watch;
     const UpdateBatch<Dim>* applied = nullptr;
+    UpdateBatch<Dim> changed;
     if (ScanIntegrator<Dim>::needsExactCounts(integration, model, &map)) {
-        const auto counts = countCells(rays);
+        auto counts = countCells(rays);
+        if (hitCells == HitCells::notMissed)
+            counts = withoutMissesOfHitCells<Dim>(std::move(counts));
         report.integrateSeconds = watch.lap();
         report.work.rays = rays.size();
-        recordChange(counts);
-        view_->applied(counts);
-        map.apply(counts, model, integration.policy);
+        apply(counts);
     } else {
-        const auto& batch = integrator_.integrate(rays, model, integration, &map);
-        report.integrateSeconds = watch.lap();
+        applied = &integrator_.integrate(rays, model, integration, &map);
         report.work = integrator_.statistics();
-        recordChange(batch);
-        view_->applied(batch);
-        map.apply(batch, model, integration.policy, integration.threads);
-        applied = &batch;
+        if (hitCells == HitCells::notMissed) {
+            changed = withoutMissesOfHitCells<Dim>(*applied);
+            applied = &changed;
+        }
+        report.integrateSeconds = watch.lap();
+        apply(*applied);
     }
     addStatistics(rays);
     report.applySeconds = watch.lap();
     scanApplied(rays, applied);
 }
 
-#define SUPERRAY_INSTANTIATE(Dim)                                                             \
-    template bool CSuperRayMapBase<Dim>::internal_insertObservation(                          \
-        const mrpt::obs::CObservation&, const std::optional<const mrpt::poses::CPose3D>&);    \
-    template bool CSuperRayMapBase<Dim>::insertObservationAlong(                              \
-        const mrpt::obs::CObservation&, const PoseAtTime&);                                   \
-    template void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>&);                   \
-    template void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>&);                \
-    template void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>&, TInsertionReport);  \
-    template void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>&, TInsertionReport&); \
-    template void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>&);               \
+#define SUPERRAY_INSTANTIATE(Dim)                                                           \
+    template bool CSuperRayMapBase<Dim>::internal_insertObservation(                        \
+        const mrpt::obs::CObservation&, const std::optional<const mrpt::poses::CPose3D>&);  \
+    template bool CSuperRayMapBase<Dim>::insertObservationAlong(                            \
+        const mrpt::obs::CObservation&, const PoseAtTime&);                                 \
+    template void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>&);                 \
+    template void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>&);              \
+    template void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>&, TInsertionReport, \
+                                                   HitCells);                               \
+    template void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>&, HitCells,         \
+                                                   TInsertionReport&);                      \
+    template void CSuperRayMapBase<Dim>::apply(const UpdateBatch<Dim>&);                    \
+    template void CSuperRayMapBase<Dim>::apply(const CellCountMap<Dim>&);                   \
+    template void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>&);             \
     template void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>&);
 SUPERRAY_INSTANTIATE(2)
 SUPERRAY_INSTANTIATE(3)

@@ -2,10 +2,13 @@
 // Reading and writing whole maps: native files and MRPT streams.
 
 #include <mrpt/serialization/CArchive.h>
+#include <superray/maps/octomap_input.h>
 #include <superray/maps/super_ray_map_base.h>
+#include <superray/storage/for_each_cell.h>
 
 #include <algorithm>
 #include <iostream>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -42,6 +45,19 @@ Bytes readBytes(mrpt::serialization::CArchive& in) {
         left -= step;
     }
     return bytes;
+}
+
+/// Cells of an OctoMap file; .bt has only two values, which become the clamps.
+std::unique_ptr<OccupancyMap<3>> readOctomapCells(const std::string& path,
+                                                  const SensorModel& model) {
+    OctomapFile file = loadOctomapFile(path);
+    if (!file.note.empty()) std::cerr << "[superray] " << path << ": " << file.note << "\n";
+    if (file.values == CellValues::logOdds) return std::move(file.map);
+    auto cells = makeStorage<3>(StorageType::blockGrid, file.map->geometry());
+    forEachCell(*file.map, [&](const Cell<3>& cell, float value) {
+        cells->setLogOdds(cell, value > 0 ? model.max() : model.min());
+    });
+    return cells;
 }
 
 }  // namespace
@@ -89,6 +105,18 @@ void CSuperRayMapBase<Dim>::saveToFile(const std::string& path) const {
 
 template <int Dim>
 void CSuperRayMapBase<Dim>::loadFromFile(const std::string& path) {
+    if (isOctomapFile(path)) {
+        if constexpr (Dim == 3) {
+            TMapOptions read = options();
+            const auto cells = readOctomapCells(path, sensorModel());
+            read.creation.resolution = cells->geometry().resolution();
+            return replaceAll(
+                SharedStorage<Dim>::decoded(type_, cells->geometry(), encodeCells(*cells)),
+                read);
+        }
+        throw MapFileError(path + ": OctoMap's files hold 3D maps; " + shortClassName() +
+                           " can load 2D maps only");
+    }
     const MapFile file = loadMapFile(path);
     if (file.header.dimension != Dim)
         throw MapFileError(path + ": holds a " + std::to_string(file.header.dimension) +

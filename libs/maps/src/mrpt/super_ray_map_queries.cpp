@@ -39,7 +39,6 @@ std::optional<NearestObstacle> CSuperRayMapBase<Dim>::nearestObstacle(
     if (!(maxDistance >= 0))
         throw std::invalid_argument("nearest obstacle: the maximum distance must be >= 0");
     const Point<Dim> p = point.head<Dim>();
-    if (!storage_->geometry().contains(p)) return std::nullopt;
     return findNearestObstacle<Dim>(
         *distances_, {*storage_, changes_, sensorModel().occupied()}, p, maxDistance);
 }

@@ -46,8 +46,10 @@ void visitInsertion(O& o, Visit visit) {
     visit("noReturnRange", o.noReturnRange, "[m] their length, <= 0: sensor's maximum");
     visit("sweepDuration", o.sweepDuration, "[s] of a 2D scan, for de-skewing");
     visit("sensorLabel", o.sensorLabel, "comma-separated, empty: all");
-    visit("heightBandMin", o.heightBandMin, "[m] map frame, 3D returns only");
-    visit("heightBandMax", o.heightBandMax, "[m] map frame, 3D returns only");
+    visit("horizontalTolerance", o.horizontalTolerance, "[deg] planar scans in 2D maps");
+    visit("clearAtMaxrange", o.clearAtMaxrange, "the cell where maxrange cuts, too");
+    visit("heightBandMin", o.heightBandMin, "[m] map frame");
+    visit("heightBandMax", o.heightBandMax, "[m] map frame");
     visit("pointStatistics", o.pointStatistics, "surface in the cells, for matching");
 }
 
@@ -115,6 +117,9 @@ void readSection(StrictSection section, const std::string& name, Options& option
     if constexpr (std::is_same_v<Options, TInsertionOptions>) choosePolicy(section, updated);
     visitOptions(updated,
                  [&](const char* key, auto& value, const char*) { section.read(key, value); });
+    // octoMap's sections work here: its trees may be pruned or not, ours always are.
+    bool pruning = true;
+    if constexpr (std::is_same_v<Options, TInsertionOptions>) section.read("pruning", pruning);
     section.rejectUnknownKeys();
     validateIn(name, updated);
     options = updated;
@@ -182,6 +187,8 @@ void TInsertionOptions::validate() const {
     require(!std::isnan(noReturnRange), "noReturnRange", noReturnRange, "being a number");
     require(std::isfinite(sweepDuration) && sweepDuration >= 0, "sweepDuration", sweepDuration,
             "sweepDuration >= 0");
+    require(horizontalTolerance >= 0 && horizontalTolerance <= 90, "horizontalTolerance",
+            horizontalTolerance, "0 <= horizontalTolerance <= 90");
     require(heightBandMin < heightBandMax, "heightBandMin", heightBandMin,
             "heightBandMin < heightBandMax");
     formatValue(sensorLabel);

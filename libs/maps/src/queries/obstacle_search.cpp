@@ -55,21 +55,28 @@ std::optional<NearestObstacle> findNearestObstacle(
     const Point<Dim>& point, double maxDistance) {
     using Field = DistanceField<Dim>;
     const auto& geometry = source.map.geometry();
-    const Cell<Dim> own = geometry.cellOf(point);
-    const double reach = Field::reachFor(maxDistance, geometry.resolution());
-    typename Field::Code code;
-    field.nearest(source, reach, &own, 1, &code);
+    if (!point.allFinite()) return std::nullopt;
+    const bool hasCell = geometry.contains(point);
+    Cell<Dim> own{};
     std::optional<Cell<Dim>> cell;
-    if (code.found()) {
-        cell = code.offset();
-        for (std::size_t a = 0; a < Dim; ++a) (*cell)[a] += own[a];
-    } else if (reach == Field::kMaxReach) {
-        double squared = 0;
-        cell = nearestCenter<Dim>(field, source, geometry.center(own), Dim, squared);
+    double squared = 0;
+    if (hasCell) {
+        own = geometry.cellOf(point);
+        const double reach = Field::reachFor(maxDistance, geometry.resolution());
+        typename Field::Code code;
+        field.nearest(source, reach, &own, 1, &code);
+        if (code.found()) {
+            cell = code.offset();
+            for (std::size_t a = 0; a < Dim; ++a) (*cell)[a] += own[a];
+        } else if (reach == Field::kMaxReach) {
+            cell = nearestCenter<Dim>(field, source, geometry.center(own), Dim, squared);
+        }
+    } else {
+        cell = nearestCenter<Dim>(field, source, point, Dim, squared);
     }
     if (!cell) return std::nullopt;
     NearestObstacle found;
-    found.distance = *cell == own ? 0 : distanceToCell<Dim>(point, *cell, geometry);
+    found.distance = hasCell && *cell == own ? 0 : distanceToCell<Dim>(point, *cell, geometry);
     if (found.distance > maxDistance) return std::nullopt;
     found.cellCenter.setZero();
     found.cellCenter.template head<Dim>() = geometry.center(*cell);

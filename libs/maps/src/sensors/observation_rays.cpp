@@ -2,9 +2,11 @@
 #include <superray/maps/mrpt_compat.h>
 #include <superray/maps/observation_rays.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
+#include "sensors/ray_cutter.h"
 #include "sensors/sensor_returns.h"
 
 namespace superray {
@@ -44,6 +46,15 @@ bool hasData(const mrpt::obs::CObservationRotatingScan& o) {
 
 bool canReadReturns(const mrpt::obs::CObservation& observation) {
     return visitObservation(observation, [](const auto& scan) { return hasData(scan); });
+}
+
+std::string whyUnreadable(const mrpt::obs::CObservation& observation) {
+    const auto* scan = dynamic_cast<const mrpt::obs::CObservationRotatingScan*>(&observation);
+    if (scan == nullptr || scan->rangeImage.rows() < 2 || hasOrganizedPoints(*scan)) return {};
+    return "the rotating scan '" + scan->sensorLabel + "' has " +
+           std::to_string(scan->rangeImage.rows()) +
+           " rows of ranges and no points, and MRPT keeps no vertical angles of the rows: "
+           "record its packets (CObservationVelodyneScan) or points (CObservationPointCloud)";
 }
 
 std::optional<SensorReturns> readReturns(const mrpt::obs::CObservation& observation,
@@ -102,11 +113,25 @@ class MovingSensor {
     std::optional<Transform> transform_;
 };
 
-/// Calls addRay(point in the map, kind, transform) for all that is in the height band.
+/// True if a planar scanner looks too far up or down for a 2D map.
+template <int Dim>
+bool isTilted(const SensorReturns& returns, const Transform& T_map_sensor,
+              const TInsertionOptions& options) {
+    if (Dim != 2 || !returns.planar) return false;
+    // Upside down is level too.
+    const double cosine = std::min(std::abs(T_map_sensor.R(2, 2)), 1.0);
+    return std::acos(cosine) * 180 / M_PI > options.horizontalTolerance;
+}
+
+/// Calls addRay(origin, end, kind) for what is to be inserted.
 /// \param transformOf(times, i) nullptr: no pose is known
-template <class TransformOf, class AddRay>
-void forEachRay(const SensorReturns& returns, const TInsertionOptions& options,
-                TInsertionReport& report, TransformOf transformOf, AddRay addRay) {
+template <int Dim, class TransformOf, class AddRay>
+void forEachRay(const SensorReturns& returns, const CellGeometry<Dim>& geometry,
+                const TInsertionOptions& options, TInsertionReport& report,
+                TransformOf transformOf, AddRay addRay) {
+    const bool isColumn = Dim == 2 && !returns.planar;
+    const RayCutter<Dim> cutter(options, geometry, isColumn);
+    const bool dropOutOfBand = !isColumn;
     const auto add = [&](const std::vector<Eigen::Vector3f>& points,
                          const std::vector<float>& times, RayEnd kind) {
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -115,19 +140,36 @@ void forEachRay(const SensorReturns& returns, const TInsertionOptions& options,
                 ++report.withoutPose;
                 continue;
             }
+            if (isTilted<Dim>(returns, *transform, options)) {
+                ++report.tilted;
+                continue;
+            }
             const Eigen::Vector3d p_map = (*transform)(points[i]);
             // NaN passes both tests; the bundle skips and counts it.
-            if (!returns.planar &&
+            if (dropOutOfBand &&
                 (p_map.z() < options.heightBandMin || p_map.z() > options.heightBandMax)) {
                 ++report.outOfHeightBand;
                 continue;
             }
-            addRay(p_map, kind, *transform);
+            if (!cutter.isNeeded()) {
+                addRay(transform->t, p_map, kind);
+            } else if (const auto part = cutter.cut(transform->t, p_map, kind, report)) {
+                addRay(part->from, part->to, part->kind);
+            }
         }
     };
     add(returns.hits, returns.hitTimes, RayEnd::hit);
     add(returns.noReturns, returns.noReturnTimes, RayEnd::noReturn);
     report.noReturns += returns.noReturnCount;
+}
+
+/// The limits that are left to the bundle.
+template <int Dim>
+RangeLimits bundleLimits(const SensorReturns& returns, const CellGeometry<Dim>& geometry,
+                         const TInsertionOptions& options) {
+    const bool cutBefore =
+        RayCutter<Dim>(options, geometry, Dim == 2 && !returns.planar).isNeeded();
+    return cutBefore ? RangeLimits{} : options.rangeLimits();
 }
 
 }  // namespace
@@ -137,7 +179,8 @@ RayBundle<Dim> toRays(const SensorReturns& returns, const mrpt::poses::CPose3D& 
                       const CellGeometry<Dim>& geometry, const TInsertionOptions& options,
                       TInsertionReport& report) {
     const Transform T_map_sensor(T_map_robot + returns.sensorOnRobot);
-    RayBundle<Dim> rays(geometry, T_map_sensor.t.template head<Dim>(), options.rangeLimits());
+    RayBundle<Dim> rays(geometry, T_map_sensor.t.template head<Dim>(),
+                        bundleLimits(returns, geometry, options));
     rays.reserve(returns.hits.size() + returns.noReturns.size());
     // Returns are handed over in batches, in order.
     constexpr std::size_t kBatch = 256;
@@ -148,15 +191,25 @@ RayBundle<Dim> toRays(const SensorReturns& returns, const mrpt::poses::CPose3D& 
         batch.clear();
     };
     forEachRay(
-        returns, options, report, [&](float) { return &T_map_sensor; },
-        [&](const Eigen::Vector3d& p_map, RayEnd kind, const Transform&) {
-            if (kind == RayEnd::hit) {
+        returns, geometry, options, report, [&](float) { return &T_map_sensor; },
+        [&](const Eigen::Vector3d& from, const Eigen::Vector3d& p_map, RayEnd kind) {
+            const Point<Dim> origin = from.template head<Dim>();
+            // A bundle takes rays of other origins after one of its common origin only.
+            if (rays.empty() && batch.empty() && origin != rays.commonOrigin()) {
+                report.skipped += rays.skipped();
+                rays.restart(origin);
+            }
+            const bool ownOrigin = origin != rays.commonOrigin();
+            if (kind == RayEnd::hit && !ownOrigin) {
                 batch.push_back(p_map.template head<Dim>());
                 if (batch.size() == kBatch) handOver();
-            } else {
-                handOver();
-                rays.add(p_map.template head<Dim>(), kind);
+                return;
             }
+            handOver();
+            if (ownOrigin)
+                rays.add(origin, p_map.template head<Dim>(), kind);
+            else
+                rays.add(p_map.template head<Dim>(), kind);
         });
     handOver();
     report.skipped += rays.skipped();
@@ -168,23 +221,24 @@ RayBundle<Dim> toRaysAlong(const SensorReturns& returns, mrpt::Clock::time_point
                            const PoseAtTime& T_map_robot, const CellGeometry<Dim>& geometry,
                            const TInsertionOptions& options, TInsertionReport& report) {
     MovingSensor sensor(returns, timestamp, T_map_robot);
+    const RangeLimits limits = bundleLimits(returns, geometry, options);
     // The common origin is that of the first ray that has a pose.
     std::optional<RayBundle<Dim>> rays;
     forEachRay(
-        returns, options, report,
+        returns, geometry, options, report,
         [&](float seconds) {
             report.timedRays += seconds != 0;
             return sensor.at(seconds);
         },
-        [&](const Eigen::Vector3d& p_map, RayEnd kind, const Transform& T_map_sensor) {
-            const Point<Dim> origin = T_map_sensor.t.template head<Dim>();
+        [&](const Eigen::Vector3d& from, const Eigen::Vector3d& p_map, RayEnd kind) {
+            const Point<Dim> origin = from.template head<Dim>();
             if (!rays) {
-                rays.emplace(geometry, origin, options.rangeLimits());
+                rays.emplace(geometry, origin, limits);
                 rays->reserve(returns.hits.size() + returns.noReturns.size());
             }
             rays->add(origin, p_map.template head<Dim>(), kind);
         });
-    if (!rays) return RayBundle<Dim>(geometry, Point<Dim>::Zero(), options.rangeLimits());
+    if (!rays) return RayBundle<Dim>(geometry, Point<Dim>::Zero(), limits);
     report.skipped += rays->skipped();
     return *std::move(rays);
 }

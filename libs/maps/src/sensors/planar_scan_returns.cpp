@@ -23,10 +23,14 @@ std::optional<SensorReturns> read(const mrpt::obs::CObservation2DRangeScan& scan
         const double angle = span * (fraction - 0.5);
         const Eigen::Vector3f direction(static_cast<float>(std::cos(angle)),
                                         static_cast<float>(std::sin(angle)), 0.0f);
-        if (scan.getScanRangeValidity(i)) {
-            to.hit(direction * scan.getScanRange(i));
-        } else {
+        const float range = scan.getScanRange(i);
+        if (!scan.getScanRangeValidity(i) || std::isinf(range)) {
             to.noReturn(direction);
+        } else if (range == 0) {
+            // Many drivers' "no echo", flagged valid: nothing is known, not even free space.
+            to.invalid();
+        } else {
+            to.hit(direction * range, range);
         }
     }
     return out;
@@ -48,8 +52,10 @@ SensorReturns readOrganizedPoints(const Scan& scan, const ReturnOptions& options
                 if (p.x == 0 && p.y == 0 && p.z == 0) {
                     to.invalid();
                 } else {
-                    to.hit({static_cast<float>(p.x), static_cast<float>(p.y),
-                            static_cast<float>(p.z)});
+                    const Eigen::Vector3f point(static_cast<float>(p.x),
+                                                static_cast<float>(p.y),
+                                                static_cast<float>(p.z));
+                    to.hit(point, point.norm());
                 }
             }
     }
@@ -80,10 +86,10 @@ std::optional<SensorReturns> read(const mrpt::obs::CObservationRotatingScan& sca
         const double range = scan.rangeImage(0, i) * scan.rangeResolution;
         if (range == 0) {
             to.noReturn(direction);
-        } else if (range < scan.minRange || range > scan.maxRange) {
+        } else if (range < scan.minRange) {
             to.invalid();
         } else {
-            to.hit(direction * static_cast<float>(range));
+            to.hit(direction * static_cast<float>(range), static_cast<float>(range));
         }
     }
     return out;

@@ -44,7 +44,8 @@ void readRangeImage(const CObservation3DRangeScan& scan, SensorReturns& out,
         if (values[i] == 0) {
             to.noReturn((*directions)[i]);
         } else {
-            to.hit((*directions)[i] * (static_cast<float>(values[i]) * scan.rangeUnits));
+            const float metres = static_cast<float>(values[i]) * scan.rangeUnits;
+            to.hit((*directions)[i] * metres, metres);
         }
     }
 }

@@ -25,6 +25,7 @@ class ReturnCollector {
         if (options.noReturnRays && range > 0 && std::isfinite(range))
             noReturnRange_ = static_cast<float>(range);
         timed_ = options.times == ReturnTimes::read;
+        if (sensorMaximum > 0) sensorMaximum_ = static_cast<float>(sensorMaximum);
     }
 
     /// Time of the measurements that follow [s], after the observation's.
@@ -38,7 +39,9 @@ class ReturnCollector {
         return taken;
     }
 
-    void hit(const Eigen::Vector3f& point) {
+    /// A return, or none if it is farther than the sensor can see.
+    void hit(const Eigen::Vector3f& point, float range) {
+        if (range > sensorMaximum_) return noReturn(point);
         out_.hits.push_back(point);
         if (timed_) out_.hitTimes.push_back(seconds_);
     }
@@ -58,6 +61,7 @@ class ReturnCollector {
     unsigned decimation_;
     unsigned index_ = 0;
     float noReturnRange_ = 0;
+    float sensorMaximum_ = std::numeric_limits<float>::infinity();
     bool timed_ = false;
     float seconds_ = 0;
 };
@@ -73,7 +77,8 @@ void collectPoints(const Floats& x, const Floats& y, const Floats& z, ReturnColl
         if (x[i] == 0 && y[i] == 0 && z[i] == 0) {
             to.invalid();
         } else {
-            to.hit({x[i], y[i], z[i]});
+            const Eigen::Vector3f point(x[i], y[i], z[i]);
+            to.hit(point, point.norm());
         }
     }
 }

@@ -180,10 +180,12 @@ class PacketReader {
             to_.measuredAt((blockTime + time) * 1e-6);
             if (raw == 0) {
                 to_.noReturn(beam.direction());
-            } else if (distance < scan_.minRange || distance > scan_.maxRange) {
+            } else if (distance < scan_.minRange) {
                 to_.invalid();
+            } else if (distance > scan_.maxRange) {
+                to_.noReturn(beam.direction());
             } else {
-                to_.hit(beam.at(distance));
+                to_.hit(beam.at(distance), static_cast<float>(distance));
             }
         }
     }

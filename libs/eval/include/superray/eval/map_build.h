@@ -7,6 +7,7 @@
 #include <superray/eval/progress_meter.h>
 #include <superray/eval/scan_source.h>
 #include <superray/maps/insertion_report.h>
+#include <superray/maps/super_ray_map_interface.h>
 
 #include <cstdint>
 #include <functional>
@@ -18,11 +19,13 @@ namespace superray {
 
 /// What a build did.
 struct BuildReport {
-    std::uint64_t scans = 0;      ///< delivered by the inputs
-    std::uint64_t unusable = 0;   ///< of those, without ranges or points that the map takes
-    SkippedObservations skipped;  ///< left out by the inputs
-    TInsertionReport insertion;   ///< sums over all scans
-    double readSeconds = 0;       ///< reading and decoding of the inputs
+    std::uint64_t scans = 0;        ///< delivered by the inputs
+    std::uint64_t unusable = 0;     ///< of those, without ranges or points that the map takes
+    std::uint64_t tiltedScans = 0;  ///< planar ones that a 2D map leaves out
+    std::string unreadable;         ///< why the first unusable scan is, where that is known
+    SkippedObservations skipped;    ///< left out by the inputs
+    TInsertionReport insertion;     ///< sums over all scans
+    double readSeconds = 0;         ///< reading and decoding of the inputs
     double totalSeconds = 0;
     std::vector<std::string> poses;  ///< of each input, in words; see PoseSummary
     std::vector<std::string> warnings;
@@ -49,5 +52,10 @@ BuildReport buildMap(const ScanSources& sources, mrpt::maps::CMetricMap& map,
 
 /// The account in lines of text, without the map's own numbers.
 std::string describe(const BuildReport& report);
+
+/// The account as one JSON object, with the map's cells and digest.
+/// \param output path that the map was written to
+std::string describeAsJson(const BuildReport& report, const SuperRayMapInterface& map,
+                           const std::string& output);
 
 }  // namespace superray

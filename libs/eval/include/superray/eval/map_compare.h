@@ -45,6 +45,9 @@ MapDifference compareMapFiles(const std::string& pathA, const std::string& pathB
 
 /// The result in lines of text.
 std::string describe(const MapDifference& difference);
+/// The same as one JSON object: `identical`, `compared` ("log-odds" or "occupancy"),
+/// `cells_a`, `cells_b`, `missing`, `extra`, `differing`, `largest_difference`.
+std::string describeAsJson(const MapDifference& difference);
 
 extern template MapDifference compareMaps<2>(const OccupancyMap<2>&, const OccupancyMap<2>&,
                                              CellValues, float, float);

@@ -17,7 +17,9 @@ namespace superray {
 void checkOutputPath(const std::string& path, const std::vector<std::string>& extensions);
 
 /// Writes a map in the format of the extension: .bt, .ot (OctoMap, 3D), .ply,
-/// .3Dscene (MRPT), .png (picture), by the rules of AtomicFile: an error
+/// .3Dscene (MRPT), .png (picture; of a 2D map with a .yaml beside it), .yaml (2D; with a
+/// .pgm beside it, for map_server and nav2) or .gridmap (2D; MRPT), by the rules of
+/// AtomicFile: an error
 /// leaves an old file as it was.
 /// \throws InputError for an unknown extension or a format that the map cannot
 ///         take; MapFileError if it cannot be written

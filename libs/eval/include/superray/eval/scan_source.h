@@ -31,6 +31,13 @@ enum class Truncation : std::uint8_t {
     accept  ///< deliver the scans before the break
 };
 
+/// Pinhole camera of depth images that come without (RGB-D folders). The default is what
+/// the TUM RGB-D benchmark recommends.
+struct DepthCamera {
+    double fx = 525, fy = 525, cx = 319.5, cy = 239.5;  ///< [pixels]
+    double unitsPerMetre = 5000;                        ///< of the values in the images
+};
+
 struct ScanSourceOptions {
     PoseOrigin poses = PoseOrigin::input;
     std::string posesFile;  ///< with PoseOrigin::file; see Trajectory::load()
@@ -40,6 +47,7 @@ struct ScanSourceOptions {
     double maxPoseGap = kDefaultPoseGap;  ///< [s] see PoseLimits::maxGap
     std::string sensorLabel;              ///< comma-separated labels to deliver; empty: all
     Truncation truncation = Truncation::error;
+    DepthCamera depthCamera;
     /// Deliver at most so many scans.
     std::uint64_t maxScans = std::numeric_limits<std::uint64_t>::max();
 };
@@ -111,11 +119,24 @@ class ScanSource {
 ///  - `.simplemap`, `.simplemap.gz`: mean pose of each keyframe.
 ///  - `.graph`: OctoMap's ScanGraph; becomes CObservationPointCloud at the
 ///    node's pose.
+///  - `.pcd`, `.ply`, or a folder of them: a scan each, in the order of their names; names
+///    that are times (seconds, or digits of micro- or nanoseconds) are the scans' times.
+///    Poses are PCD's viewpoints, or a poses file.
 ///  - a folder of the KITTI odometry benchmark: `velodyne/*.bin`, `calib.txt`
 ///    (row `Tr`), `poses.txt` or `poses/NN.txt` here or two levels up (NN: the
 ///    folder's name), `times.txt` if there is one. The robot frame is the
 ///    Velodyne; the map frame is the first camera frame turned so that x is
 ///    forward, y left and z up.
+///  - a drive of KITTI's raw data: `velodyne_points`, `oxts`, and `calib_imu_to_velo.txt`
+///    in it or one level up. The robot frame is that of the inertial unit, the map frame
+///    its first one.
+///  - a folder of `.bin` scans as KITTI's, named by time (MulRan), with a poses file.
+///  - a folder of the TUM RGB-D benchmark, or ICL-NUIM: `depth/*.png`, `associations.txt`
+///    or `depth.txt`, `groundtruth.txt` or `*.gt.freiburg`. The robot frame is the optical
+///    frame of the camera.
+///
+/// Extensions may be in capitals. In folders with a scan a file, a poses file may have the
+/// 12 columns of KITTI, one row a scan.
 ///
 /// \throws InputError: unreadable, truncated, no scans, no poses, no scan that
 ///         has a pose

@@ -68,7 +68,9 @@ ScanPoses::ScanPoses(const RecordedPoses& recorded, const ScanSourceOptions& opt
 void ScanPoses::useFile(const RecordedPoses& recorded, const ScanSourceOptions& options) {
     limits_.slack = 0;
     assigned_.byTime = true;
-    assigned_.track = Trajectory::load(options.posesFile);
+    const Trajectory poses = Trajectory::load(options.posesFile);
+    notFinite_ = poses.skippedRows();
+    assigned_.track = poses;
     const auto start = spanOf(recorded).first().value_or(assigned_.track.firstTime());
     summary_ = PoseSummary("file '" + options.posesFile + "'", assigned_.track.size());
     summary_.setTimes(secondsBetween(start, assigned_.track.firstTime()),

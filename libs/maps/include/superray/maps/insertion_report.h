@@ -18,8 +18,10 @@ struct TInsertionReport {
     /// Measurements without a return, or out of the sensor's own range limits
     /// (they are rays too if insertNoReturnRays is set).
     std::uint64_t noReturns = 0;
-    std::uint64_t outOfHeightBand = 0;  ///< returns outside heightBandMin..Max
-    std::uint64_t withoutPose = 0;      ///< rays measured when no robot pose is known
+    /// Returns outside heightBandMin..Max. (In 2D maps those of 3D sensors still clear.)
+    std::uint64_t outOfHeightBand = 0;
+    std::uint64_t tilted = 0;       ///< rays of planar scanners beyond horizontalTolerance (2D)
+    std::uint64_t withoutPose = 0;  ///< rays measured when no robot pose is known
     /// Rays whose sensor tells when they were measured (with insertObservationAlong()).
     std::uint64_t timedRays = 0;
     ScanStatistics work;          ///< zero where method = reference
@@ -33,6 +35,7 @@ struct TInsertionReport {
         skipped += o.skipped;
         noReturns += o.noReturns;
         outOfHeightBand += o.outOfHeightBand;
+        tilted += o.tilted;
         withoutPose += o.withoutPose;
         timedRays += o.timedRays;
         work += o.work;

@@ -30,8 +30,9 @@ mrpt::maps::CMetricMap::Ptr createMap(const std::string& className);
 mrpt::maps::CMetricMap::Ptr createMapFromConfig(const mrpt::config::CConfigFileBase& source,
                                                 const std::string& section);
 
-/// Reads a native file into a map of the class that wrote it.
+/// Reads a native file into a map of the class that wrote it, or a file of OctoMap (.bt,
+/// .ot) into a CSuperRayOctoMap.
 /// \throws MapFileError
-mrpt::maps::CMetricMap::Ptr loadMap(const std::string& srmapPath);
+mrpt::maps::CMetricMap::Ptr loadMap(const std::string& path);
 
 }  // namespace superray

@@ -12,9 +12,12 @@
 /// |                          | point_cloud without them                            |
 /// | CObservationPointCloud   | the cloud (sensor frame), each point with its time  |
 /// |                          | where the MRPT version and the cloud have it         |
-/// | CObservation2DRangeScan  | valid ranges (a deltaPitch sweep is not modelled)   |
+/// | CObservation2DRangeScan  | valid ranges (a deltaPitch sweep is not modelled);  |
+/// |                          | a valid range of 0 tells nothing                    |
 /// | CObservationRotatingScan | points where the MRPT version has them; else the    |
 /// |                          | range image if it has one row (no vertical angles)  |
+///
+/// Of every sensor, what is beyond its own maximum range (where it has one) is no return.
 
 #include <mrpt/core/Clock.h>
 #include <mrpt/obs/obs_frwds.h>
@@ -26,6 +29,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace superray {
@@ -52,7 +56,7 @@ struct SensorReturns {
     /// tell. Points with times that are no numbers have no pose.
     std::vector<float> hitTimes, noReturnTimes;
     std::uint64_t noReturnCount = 0;  ///< measurements without (valid) return, listed or not
-    bool planar = false;              ///< a 2D scan: the height band does not apply
+    bool planar = false;              ///< a 2D scan
 };
 
 /// True if readReturns() knows the class and finds ranges or points in it.
@@ -66,9 +70,13 @@ bool canReadReturns(const mrpt::obs::CObservation& observation);
 std::optional<SensorReturns> readReturns(const mrpt::obs::CObservation& observation,
                                          const ReturnOptions& options);
 
+/// Why readReturns() finds nothing in an observation that has data; else empty.
+std::string whyUnreadable(const mrpt::obs::CObservation& observation);
+
 /// A scan in the map frame. In 2D the rays are projected on z = 0, so range
-/// limits act on their horizontal length.
-/// \param report skipped, noReturns, outOfHeightBand are added to
+/// limits act on their horizontal length, and what a 3D sensor's ray crosses outside the
+/// height band is cut away. The bundle has no limits of its own then.
+/// \param report skipped, noReturns, outOfHeightBand, tilted are added to
 /// \throws std::invalid_argument if the sensor is not in the addressable range
 template <int Dim>
 RayBundle<Dim> toRays(const SensorReturns& returns, const mrpt::poses::CPose3D& T_map_robot,

@@ -73,8 +73,16 @@ struct TInsertionOptions : public mrpt::config::CLoadableOptions {
     /// that of the first. Used by insertObservationAlong() only.
     double sweepDuration = 0;
     std::string sensorLabel;  ///< comma-separated labels to accept; empty: all
-    /// [m], map frame: only returns of 3D sensors with a height in
-    /// [heightBandMin, heightBandMax] are inserted. 2D scans always are.
+    /// [degrees], in [0, 90]: 2D maps leave out planar scans whose plane is tilted by more.
+    /// 3D maps take them all.
+    double horizontalTolerance = 5;
+    /// A ray that is cut at maxrange clears the cell of the cut, too (unless its return lies
+    /// in it). Without, that cell is left alone, as OctoMap does.
+    bool clearAtMaxrange = false;
+    /// [m], map frame: only returns with a height in [heightBandMin, heightBandMax] are
+    /// inserted. In 2D maps a ray of a 3D sensor clears what it crosses inside the band,
+    /// wherever it ends; and of a cell in which a return of the same scan lies it tells
+    /// nothing. See doc/exactness.md.
     double heightBandMin = -std::numeric_limits<double>::infinity();
     double heightBandMax = std::numeric_limits<double>::infinity();
     /// Keep number, mean and covariance of the end points in each cell, so that

@@ -218,8 +218,12 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     bool insertReturns(const mrpt::obs::CObservation& observation, ReturnTimes times,
                        ToBundle toBundle);
     void addStatistics(const RayBundle<Dim>& rays);
-    void integrate(const RayBundle<Dim>& rays, TInsertionReport report);
-    void applyRays(const RayBundle<Dim>& rays, TInsertionReport& report);
+    /// Whether cells in which a return lies are missed by other rays of the scan.
+    enum class HitCells : std::uint8_t { missedToo, notMissed };
+    void integrate(const RayBundle<Dim>& rays, TInsertionReport report, HitCells hitCells);
+    void applyRays(const RayBundle<Dim>& rays, HitCells hitCells, TInsertionReport& report);
+    void apply(const UpdateBatch<Dim>& batch);
+    void apply(const CellCountMap<Dim>& counts);
     std::shared_ptr<mrpt_viz::COctoMapVoxels> visualization() const;
 
     StorageType type_;

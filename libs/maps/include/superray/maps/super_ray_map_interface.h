@@ -57,6 +57,7 @@ class SuperRayMapInterface {
     /// The occupied cell nearest to a point (by the centres of cells), if its box is
     /// within maxDistance [m], which may be infinite. Up to about 30 cells the answer
     /// comes from a distance field and takes constant time once that is up to date.
+    /// The point may lie outside the addressable range.
     /// Safe to call concurrently. \throws std::invalid_argument if maxDistance < 0
     virtual std::optional<NearestObstacle> nearestObstacle(const Eigen::Vector3d& point,
                                                            double maxDistance) const = 0;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <superray/eval/input_error.h>
-#include <superray/eval/octomap_file.h>
+#include <superray/maps/octomap_input.h>
 #include <superray/storage/block_grid.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -20,6 +20,7 @@ struct Header {
     CellValues values = CellValues::logOdds;
     std::uint64_t nodes = 0;
     double resolution = 0;
+    bool hasColours = false;
 };
 
 /// A leaf covers edge^3 cells from `lowest` on.
@@ -33,23 +34,27 @@ struct Leaf {
 class Bytes {
  public:
     Bytes(const std::string& path, std::uint64_t most) : path_(path) {
-        requireRegularFile(path);
+        std::error_code error;
+        const auto status = std::filesystem::status(path, error);
+        if (!std::filesystem::exists(status)) throw MapFileError(path + ": no such file");
+        if (!std::filesystem::is_regular_file(status))
+            throw MapFileError(path + ": is not a regular file");
         std::ifstream file(path, std::ios::binary);
-        if (!file) throw InputError(path + ": cannot be opened for reading");
+        if (!file) throw MapFileError(path + ": cannot be opened for reading");
         const auto size = std::filesystem::file_size(path);
         if (size > most)
-            throw InputError(path + ": has " + std::to_string(size) +
-                             " bytes; OctoMap files of at most " + std::to_string(most) +
-                             " are read");
+            throw MapFileError(path + ": has " + std::to_string(size) +
+                               " bytes; OctoMap files of at most " + std::to_string(most) +
+                               " are read");
         data_.resize(size);
         file.read(data_.data(), static_cast<std::streamsize>(size));
         if (file.gcount() != static_cast<std::streamsize>(size))
-            throw InputError(path + ": cannot be read");
+            throw MapFileError(path + ": cannot be read");
     }
     std::uint64_t size() const { return data_.size(); }
 
     [[noreturn]] void fail(const std::string& why) const {
-        throw InputError(path_ + ": is not a whole OctoMap OcTree file: " + why);
+        throw MapFileError(path_ + ": is not a whole OctoMap OcTree file: " + why);
     }
 
     template <class T>
@@ -96,7 +101,9 @@ Header readHeader(Bytes& bytes) {
         if (key == "res") words >> header.resolution;
         if (!words) bytes.fail("its header line '" + line + "' cannot be understood");
     }
-    if (id != "OcTree") bytes.fail("its tree type is '" + id + "', not 'OcTree'");
+    header.hasColours = id == "ColorOcTree";
+    if (id != "OcTree" && !header.hasColours)
+        bytes.fail("its tree type is '" + id + "', not 'OcTree' or 'ColorOcTree'");
     if (!(std::isfinite(header.resolution) && header.resolution > 0))
         bytes.fail("its resolution must be a finite number > 0");
     return header;
@@ -105,15 +112,17 @@ Header readHeader(Bytes& bytes) {
 /// Walks the nodes of a file, depth first, children in order of their index.
 class LeafReader {
  public:
-    LeafReader(Bytes& bytes, const OctomapLimits& limits)
+    LeafReader(Bytes& bytes, bool hasColours, const OctomapLimits& limits)
         : bytes_(bytes),
+          hasColours_(hasColours),
           mostCells_(std::min(limits.cells,
                               limits.cellsOfAnyFile + limits.cellsPerByte * bytes.size())) {}
 
-    /// .ot: float32 log-odds and a bit per child.
+    /// .ot: float32 log-odds, three bytes of colour in a ColorOcTree, a bit per child.
     void readNode(const Cell<3>& lowest, int depth) {
         ++nodes_;
         const auto value = bytes_.take<float>();
+        if (hasColours_) bytes_.take<std::array<std::uint8_t, 3>>();
         const auto children = bytes_.take<std::uint8_t>();
         if (children == 0) return addLeaf(lowest, depth, value);
         forEachChild(lowest, depth, [&](int child, const Cell<3>& childLowest) {
@@ -170,6 +179,7 @@ class LeafReader {
     }
 
     Bytes& bytes_;
+    bool hasColours_;
     std::uint64_t mostCells_;
     std::uint64_t nodes_ = 0, cells_ = 0;
     std::vector<Leaf> leaves_;
@@ -198,10 +208,20 @@ void fill(const Leaf& leaf, OccupancyMap<3>& map) {
 
 }  // namespace
 
-OctomapFile readOctomapFile(const std::string& path, const OctomapLimits& limits) {
+bool isOctomapFile(const std::string& path) {
+    constexpr char kMagic[] = "# Octomap OcTree";
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) return false;
+    std::ifstream file(path, std::ios::binary);
+    std::string start(sizeof kMagic - 1, '\0');
+    file.read(start.data(), static_cast<std::streamsize>(start.size()));
+    return file && start == kMagic;
+}
+
+OctomapFile loadOctomapFile(const std::string& path, const OctomapLimits& limits) {
     Bytes bytes(path, limits.fileBytes);
     const Header header = readHeader(bytes);
-    LeafReader reader(bytes, limits);
+    LeafReader reader(bytes, header.hasColours, limits);
     if (header.nodes > 0) {
         const Cell<3> lowest{-kCellLimit, -kCellLimit, -kCellLimit};
         if (header.values == CellValues::occupancy)
@@ -216,6 +236,9 @@ OctomapFile readOctomapFile(const std::string& path, const OctomapLimits& limits
         bytes.fail("it goes on for " + std::to_string(bytes.left()) + " bytes after its tree");
     OctomapFile file;
     file.values = header.values;
+    // A .bt file of a ColorOcTree has none.
+    if (header.hasColours && header.values == CellValues::logOdds)
+        file.note = "the colours of the ColorOcTree are dropped";
     file.map = std::make_unique<BlockGrid<3>>(CellGeometry<3>(header.resolution));
     for (const Leaf& leaf : reader.leaves()) fill(leaf, *file.map);
     return file;

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One PCD or PLY file, or a folder of them, a scan each.
+
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <superray/eval/input_error.h>
+#include <superray/maps/option_text.h>
+
+#include "sources/clouds/cloud_files.h"
+#include "sources/folders/frame_source.h"
+
+namespace superray {
+namespace {
+
+namespace fs = std::filesystem;
+
+CloudFile readCloud(const fs::path& path) {
+    return equalIgnoringCase(path.extension().string(), ".ply") ? readPly(path.string())
+                                                                : readPcd(path.string());
+}
+
+}  // namespace
+
+std::unique_ptr<ScanSource> openClouds(const std::string& path,
+                                       const ScanSourceOptions& options) {
+    FrameRecording recording;
+    recording.path = path;
+    recording.label = "CLOUD";
+    std::vector<fs::path> files = {path};
+    if (fs::is_directory(path)) files = listFrames(path, {".pcd", ".ply"});
+    if (files.empty()) throwNoScans(path, options, {});
+    std::uint64_t viewpoints = 0;
+    for (const auto& file : files) {
+        Frame frame;
+        frame.file = file;
+        frame.time = timeOfName(file.stem().string()).value_or(Trajectory::Time());
+        // Viewpoints are in the headers; the points are read later.
+        if (options.poses == PoseOrigin::input) frame.T_map_robot = readCloud(file).viewpoint;
+        viewpoints += frame.T_map_robot.has_value();
+        recording.frames.push_back(frame);
+    }
+    // A sensor that starts at the origin has a viewpoint that looks like none.
+    if (viewpoints > 0 && !recording.frames.front().T_map_robot)
+        recording.frames.front().T_map_robot.emplace();
+    recording.ownPoses = PoseSummary("viewpoints of the files", viewpoints);
+    recording.read = [](const Frame& frame) -> mrpt::obs::CObservation::Ptr {
+        auto observation = mrpt::obs::CObservationPointCloud::Create();
+        observation->pointcloud = readCloud(frame.file).points;
+        return observation;
+    };
+    return makeFrameSource(std::move(recording), options);
+}
+
+}  // namespace superray

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sources/clouds/file_bytes.h"
+
+#include <superray/eval/input_error.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+namespace superray {
+
+std::string readFileBytes(const std::string& path) {
+    constexpr std::uintmax_t kMost = std::uintmax_t{4} << 30;
+    requireRegularFile(path);
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw InputError(path + ": cannot be opened for reading");
+    const auto size = std::filesystem::file_size(path);
+    if (size > kMost)
+        throw InputError(path + ": has " + std::to_string(size) + " bytes; clouds of at most " +
+                         std::to_string(kMost) + " are read");
+    std::string bytes(size, '\0');
+    file.read(bytes.data(), static_cast<std::streamsize>(size));
+    if (file.gcount() != static_cast<std::streamsize>(size))
+        throw InputError(path + ": cannot be read");
+    return bytes;
+}
+
+bool isPadding(const std::string& bytes, std::size_t from) {
+    const auto first = bytes.begin() + static_cast<std::ptrdiff_t>(from);
+    return std::all_of(first, bytes.end(), [](char c) {
+        return c == '\0' || c == ' ' || c == '\t' || c == '\r' || c == '\n';
+    });
+}
+
+std::vector<std::string> wordsOf(const std::string& line) {
+    std::istringstream in(line);
+    return {std::istream_iterator<std::string>(in), {}};
+}
+
+}  // namespace superray

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sources/folders/frame_source.h"
+
+#include <superray/eval/input_error.h>
+#include <superray/maps/option_text.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "sources/folders/kitti_files.h"
+#include "sources/read_guard.h"
+
+namespace superray {
+namespace {
+
+namespace fs = std::filesystem;
+using mrpt::poses::CPose3D;
+
+bool isAllDigits(const std::string& text) {
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+class FrameSource final : public ScanSource {
+ public:
+    FrameSource(FrameRecording recording, const ScanSourceOptions& options)
+        : recording_(std::move(recording)) {
+        if (!acceptsLabel(options, recording_.label))
+            throw InputError(recording_.path + ": the scans have the sensor label '" +
+                             recording_.label + "', but '" + options.sensorLabel +
+                             "' is asked for");
+        givePoses(options);
+        std::vector<Frame> posed;
+        for (Frame& frame : recording_.frames)
+            if (frame.T_map_robot && posed.size() < options.maxScans)
+                posed.push_back(std::move(frame));
+        const auto first = recording_.frames.front().time, last = recording_.frames.back().time;
+        if (posed.empty())
+            throwNoScanHasPose(recording_.path, options, first, last,
+                               track_.empty() ? nullptr : &track_);
+        recording_.frames = std::move(posed);
+        if (recording_.guarded) startGuard();
+    }
+
+    std::uint64_t total() const override { return recording_.frames.size(); }
+    SkippedObservations skipped() const override { return skipped_; }
+    PoseSummary poses() const override { return summary_; }
+    const PoseTrack* trajectory() const override { return track_.empty() ? nullptr : &track_; }
+
+    std::optional<Scan> next() override {
+        if (next_ == recording_.frames.size()) return std::nullopt;
+        if (guard_) guard_->next();
+        const Frame& frame = recording_.frames[next_++];
+        auto observation = recording_.read(frame);
+        observation->sensorLabel = recording_.label;
+        observation->timestamp = frame.time;
+        return Scan{frame.time, *frame.T_map_robot, observation};
+    }
+
+ private:
+    /// The child has a copy of the frames as they are now.
+    void startGuard() {
+        std::uint64_t bytes = 0;
+        for (const Frame& frame : recording_.frames) {
+            std::error_code error;
+            const auto size = fs::file_size(frame.file, error);
+            if (!error) bytes += size;
+        }
+        const auto readAhead = [this]() -> ReadGuard::Step {
+            return [this, next = std::size_t{0}]() mutable {
+                if (next == recording_.frames.size()) return false;
+                recording_.read(recording_.frames[next++]);
+                return true;
+            };
+        };
+        guard_ = std::make_unique<ReadGuard>(recording_.path, readAhead, bytes);
+    }
+
+    void givePoses(const ScanSourceOptions& options) {
+        auto& frames = recording_.frames;
+        summary_ = recording_.ownPoses;
+        if (options.poses == PoseOrigin::fixed) {
+            for (Frame& f : frames) f.T_map_robot = CPose3D();
+            summary_ = PoseSummary("the robot stays at the map's origin");
+        } else if (options.poses == PoseOrigin::file && isKittiPoses(options.posesFile)) {
+            giveByOrder(readKittiPoses(options.posesFile), options.posesFile);
+        } else if (options.poses == PoseOrigin::file) {
+            giveByFile(options);
+        } else {
+            for (const Frame& f : frames)
+                if (f.T_map_robot && f.time != Trajectory::Time())
+                    track_.add(f.time, *f.T_map_robot);
+            for (const Frame& f : frames)
+                if (!f.T_map_robot) ++skipped_.withoutPose;
+        }
+        if (!track_.empty() && frames.front().time != Trajectory::Time()) {
+            const auto after = [&](Trajectory::Time time) {
+                return std::chrono::duration<double>(time - frames.front().time).count();
+            };
+            summary_.setTimes(after(track_.firstTime()), after(track_.lastTime()));
+        }
+    }
+
+    void giveByOrder(const std::vector<CPose3D>& poses, const std::string& file) {
+        auto& frames = recording_.frames;
+        if (poses.size() < frames.size())
+            throw InputError(file + ": has " + std::to_string(poses.size()) + " poses for " +
+                             std::to_string(frames.size()) + " scans of " + recording_.path);
+        for (std::size_t i = 0; i < frames.size(); ++i) frames[i].T_map_robot = poses[i];
+        summary_ = PoseSummary("file '" + file + "'", poses.size());
+        summary_.note = "paired with the scans by their order";
+    }
+
+    void giveByFile(const ScanSourceOptions& options) {
+        const Trajectory poses = Trajectory::load(options.posesFile);
+        PoseLimits limits;
+        limits.maxGap = options.maxPoseGap;
+        std::size_t found = 0;
+        SkippedObservations missing;
+        for (Frame& f : recording_.frames) {
+            const PoseAnswer answer = poses.lookUp(f.time, limits);
+            f.T_map_robot = answer.pose;
+            found += answer.pose.has_value();
+            if (!answer.pose) countWithoutPose(answer, missing);
+        }
+        if (found == 0 && poses.size() == recording_.frames.size()) {
+            std::vector<CPose3D> inOrder;
+            for (const auto& entry : poses.poses()) inOrder.push_back(entry.second);
+            return giveByOrder(inOrder, options.posesFile);
+        }
+        skipped_ = missing;
+        skipped_.badPoses = poses.skippedRows();
+        track_ = poses;
+        summary_ = PoseSummary("file '" + options.posesFile + "'", poses.size());
+    }
+
+    FrameRecording recording_;
+    PoseTrack track_;
+    PoseSummary summary_;
+    SkippedObservations skipped_;
+    std::unique_ptr<ReadGuard> guard_;
+    std::size_t next_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<ScanSource> makeFrameSource(FrameRecording recording,
+                                            const ScanSourceOptions& options) {
+    return std::make_unique<FrameSource>(std::move(recording), options);
+}
+
+std::optional<Trajectory::Time> timeOfName(const std::string& stem) {
+    double value = 0;
+    const auto [rest, error] = std::from_chars(stem.data(), stem.data() + stem.size(), value);
+    if (error != std::errc{} || rest != stem.data() + stem.size() || !(value >= 0))
+        return std::nullopt;
+    if (isAllDigits(stem) && stem.size() == 19) return mrpt::Clock::fromDouble(value * 1e-9);
+    if (isAllDigits(stem) && stem.size() == 16) return mrpt::Clock::fromDouble(value * 1e-6);
+    if (value > 1e11) return std::nullopt;
+    return mrpt::Clock::fromDouble(value);
+}
+
+std::vector<fs::path> listFrames(const fs::path& folder,
+                                 const std::vector<std::string>& extensions) {
+    std::vector<fs::path> files;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+        const std::string extension = entry.path().extension().string();
+        if (std::any_of(extensions.begin(), extensions.end(), [&](const std::string& wanted) {
+                return equalIgnoringCase(extension, wanted);
+            }))
+            files.push_back(entry.path());
+    }
+    std::vector<std::pair<double, fs::path>> numbered;
+    for (const auto& file : files) {
+        const std::string stem = file.stem().string();
+        double value = 0;
+        const auto [rest, bad] = std::from_chars(stem.data(), stem.data() + stem.size(), value);
+        if (bad == std::errc{} && rest == stem.data() + stem.size())
+            numbered.emplace_back(value, file);
+    }
+    if (numbered.size() != files.size()) {
+        std::sort(files.begin(), files.end());
+        return files;
+    }
+    std::sort(numbered.begin(), numbered.end());
+    files.clear();
+    for (const auto& [value, file] : numbered) files.push_back(file);
+    return files;
+}
+
+}  // namespace superray

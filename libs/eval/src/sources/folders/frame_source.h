@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+/// \file frame_source.h
+/// Recordings that keep each scan in a file of its own, in the order of their names or
+/// times: what all of them share.
+
+#include <superray/eval/scan_source.h>
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sources/scan_source_formats.h"
+
+namespace superray {
+
+/// One scan that is not read yet.
+struct Frame {
+    std::filesystem::path file;
+    Trajectory::Time time;  ///< mrpt::Clock::time_point() if the recording does not tell
+    std::optional<mrpt::poses::CPose3D> T_map_robot;  ///< what the recording itself says
+};
+
+/// The frames of a recording, and how to read them.
+struct FrameRecording {
+    std::string path, label;
+    std::vector<Frame> frames;  ///< in the order of the recording, not empty
+    PoseSummary ownPoses;       ///< of T_map_robot, without times
+    /// Reads the points or the image of a frame; the rest is filled in. \throws InputError
+    std::function<mrpt::obs::CObservation::Ptr(const Frame&)> read;
+    bool guarded = false;  ///< read() lets another library decode: see ReadGuard
+};
+
+/// With a poses file: by time, or, where no time fits and there are as many poses as
+/// frames, by order. A poses file of KITTI's 12 columns is by order, too.
+/// \throws InputError if another label is asked for, or no frame has a pose
+std::unique_ptr<ScanSource> makeFrameSource(FrameRecording recording,
+                                            const ScanSourceOptions& options);
+
+/// The time that a file is named by: seconds, or a whole number of 16 digits [us] or 19
+/// digits [ns], since 1970. Nothing for other names.
+std::optional<Trajectory::Time> timeOfName(const std::string& stem);
+
+/// Files of the folder with one of these extensions (any case): by number where all names
+/// are numbers, else by name.
+std::vector<std::filesystem::path> listFrames(const std::filesystem::path& folder,
+                                              const std::vector<std::string>& extensions);
+
+}  // namespace superray

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+/// \file kitti_files.h
+/// Files of the KITTI benchmarks, and of data sets that follow them.
+
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/poses/CPose3D.h>
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace superray {
+
+/// Calls `visit(line, where)` for every line with data of a text file.
+/// \throws InputError as openTextInput(); its last line must end
+void forEachLine(const std::filesystem::path& path,
+                 const std::function<void(const std::string&, const std::string&)>& visit);
+
+/// \throws InputError naming `where` if a word is no number
+std::vector<double> numbersOrThrow(const std::string& text, const std::string& where);
+
+/// A 3x4 matrix in row-major order, as KITTI writes poses and calibrations.
+/// \throws InputError naming `where`: not 12 numbers, or no rotation
+Eigen::Isometry3d fromRowMajor(const std::vector<double>& values, const std::string& where);
+
+mrpt::poses::CPose3D toPose(const Eigen::Isometry3d& T);
+
+/// True if the first line with data has 12 numbers.
+bool isKittiPoses(const std::string& path);
+/// Poses of 12 columns a line, in the frames that they are written in.
+/// \throws InputError
+std::vector<mrpt::poses::CPose3D> readKittiPoses(const std::string& path);
+
+/// Points of 4 floats, x y z reflectance. \throws InputError
+mrpt::maps::CSimplePointsMap::Ptr readKittiPoints(const std::filesystem::path& path);
+
+}  // namespace superray

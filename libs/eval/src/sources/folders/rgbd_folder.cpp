@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Folders of depth images: the TUM RGB-D benchmark and ICL-NUIM. The robot is the camera
+// with x forward, y left and z up; the map is that of the ground truth.
+
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <superray/eval/input_error.h>
+
+#include <charconv>
+#include <sstream>
+
+#include "sources/folders/depth_image.h"
+#include "sources/folders/frame_source.h"
+#include "sources/folders/kitti_files.h"
+
+namespace superray {
+namespace {
+
+namespace fs = std::filesystem;
+using mrpt::poses::CPose3D;
+
+/// Ground truth is of the optical frame: z forward, x right, y down.
+CPose3D opticalFrame() {
+    return CPose3D(0, 0, 0, -M_PI / 2, 0, -M_PI / 2);
+}
+
+struct DepthFile {
+    Trajectory::Time time;
+    fs::path file;
+};
+
+/// Rows of a time (or number) and a file, the first pair of a row that names depth.
+std::vector<DepthFile> readList(const fs::path& folder, const fs::path& list) {
+    std::vector<DepthFile> files;
+    forEachLine(list, [&](const std::string& line, const std::string& where) {
+        std::istringstream row(line);
+        std::string stamp, file, found, foundStamp;
+        while (found.empty() && row >> stamp >> file)
+            if (file.find("depth") != std::string::npos) {
+                found = file;
+                foundStamp = stamp;
+            }
+        const auto time = timeOfName(foundStamp);
+        if (found.empty() || !time)
+            throw InputError(where + ": must be rows of a time and a file in depth/");
+        files.push_back({*time, folder / found});
+    });
+    return files;
+}
+
+std::vector<DepthFile> listDepth(const fs::path& folder) {
+    for (const char* name : {"associations.txt", "associated.txt", "depth.txt"})
+        if (fs::exists(folder / name)) return readList(folder, folder / name);
+    std::vector<DepthFile> files;
+    for (const auto& file : listFrames(folder / "depth", {".png"}))
+        files.push_back({timeOfName(file.stem().string()).value_or(Trajectory::Time()), file});
+    return files;
+}
+
+/// groundtruth.txt, or ICL-NUIM's *.gt.freiburg.
+fs::path findGroundTruth(const fs::path& folder) {
+    if (fs::exists(folder / "groundtruth.txt")) return folder / "groundtruth.txt";
+    for (const auto& file : listFrames(folder, {".freiburg"})) return file;
+    throw InputError(folder.string() +
+                     ": has neither groundtruth.txt nor *.gt.freiburg; give a poses file "
+                     "(--poses FILE)");
+}
+
+mrpt::obs::CObservation::Ptr readImage(const Frame& frame, const DepthCamera& camera) {
+    auto scan = mrpt::obs::CObservation3DRangeScan::Create();
+    const auto image = readDepthPng(frame.file.string());
+    scan->hasRangeImage = true;
+    scan->range_is_depth = true;
+    scan->rangeUnits = static_cast<float>(1 / camera.unitsPerMetre);
+    scan->maxRange = 0;  // not known
+    scan->cameraParams.ncols = static_cast<std::uint32_t>(image.cols());
+    scan->cameraParams.nrows = static_cast<std::uint32_t>(image.rows());
+    scan->cameraParams.setIntrinsicParamsFromValues(camera.fx, camera.fy, camera.cx, camera.cy);
+    scan->rangeImage = image;
+    return scan;
+}
+
+}  // namespace
+
+std::unique_ptr<ScanSource> openRgbd(const fs::path& folder, const ScanSourceOptions& asked) {
+    if (!(asked.depthCamera.fx > 0 && asked.depthCamera.fy > 0 &&
+          asked.depthCamera.unitsPerMetre > 0))
+        throw InputError("the focal lengths and the depth units of the camera must be > 0");
+    FrameRecording recording;
+    recording.path = folder.string();
+    recording.label = "DEPTH";
+    for (const DepthFile& depth : listDepth(folder))
+        recording.frames.push_back({depth.file, depth.time, std::nullopt});
+    if (recording.frames.empty()) throwNoScans(folder.string(), asked, {});
+    ScanSourceOptions options = asked;
+    if (options.poses == PoseOrigin::input) {
+        options.poses = PoseOrigin::file;
+        options.posesFile = findGroundTruth(folder).string();
+    }
+    recording.guarded = true;  // libpng
+    const bool ofCamera = options.poses == PoseOrigin::file;
+    recording.read = [camera = asked.depthCamera, ofCamera](const Frame& frame) {
+        auto scan = readImage(frame, camera);
+        // Robot poses of the file are those of the optical frame.
+        if (ofCamera) scan->setSensorPose(-opticalFrame());
+        return scan;
+    };
+    return makeFrameSource(std::move(recording), options);
+}
+
+}  // namespace superray

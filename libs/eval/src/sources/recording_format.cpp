@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <superray/eval/input_error.h>
+#include <superray/maps/option_text.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+
+#include "sources/folders/frame_source.h"
+#include "sources/scan_source_formats.h"
+
+namespace superray {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Whatever the case of its letters.
+bool endsWith(const std::string& path, const std::string& end) {
+    return path.size() >= end.size() &&
+           equalIgnoringCase(path.substr(path.size() - end.size()), end);
+}
+
+bool hasFolder(const fs::path& folder, const char* name) {
+    std::error_code error;
+    return fs::is_directory(folder / name, error);
+}
+
+struct Format {
+    const char* name;
+    bool (*matches)(const std::string& path, bool isFolder);
+    std::unique_ptr<ScanSource> (*open)(const std::string&, const ScanSourceOptions&);
+};
+
+/// The formats in the order they are tried.
+constexpr std::array<Format, 9> kFormats{{
+    {kRawlogFormat,
+     [](const std::string& p, bool folder) {
+         return !folder && (endsWith(p, ".rawlog") || endsWith(p, ".rawlog.gz"));
+     },
+     openRawlog},
+    {"MRPT simplemap",
+     [](const std::string& p, bool folder) {
+         return !folder && (endsWith(p, ".simplemap") || endsWith(p, ".simplemap.gz"));
+     },
+     openSimpleMap},
+    {"OctoMap scan graph",
+     [](const std::string& p, bool folder) { return !folder && endsWith(p, ".graph"); },
+     openScanGraph},
+    {"point cloud file (PCD, PLY)",
+     [](const std::string& p, bool folder) {
+         return !folder && (endsWith(p, ".pcd") || endsWith(p, ".ply"));
+     },
+     openClouds},
+    {"KITTI raw drive",
+     [](const std::string& p, bool folder) {
+         return folder && hasFolder(p, "velodyne_points");
+     },
+     [](const std::string& p, const ScanSourceOptions& o) { return openKittiRaw(p, o); }},
+    {"KITTI odometry sequence",
+     [](const std::string& p, bool folder) { return folder && hasFolder(p, "velodyne"); },
+     [](const std::string& p, const ScanSourceOptions& o) { return openKitti(p, o); }},
+    {"RGB-D folder (TUM, ICL-NUIM)",
+     [](const std::string& p, bool folder) { return folder && hasFolder(p, "depth"); },
+     [](const std::string& p, const ScanSourceOptions& o) { return openRgbd(p, o); }},
+    {"folder of point clouds (PCD, PLY)",
+     [](const std::string& p, bool folder) {
+         return folder && !listFrames(p, {".pcd", ".ply"}).empty();
+     },
+     openClouds},
+    {"folder of .bin scans named by time",
+     [](const std::string& p, bool folder) {
+         return folder && !listFrames(p, {".bin"}).empty();
+     },
+     [](const std::string& p, const ScanSourceOptions& o) { return openTimedBins(p, o); }},
+}};
+
+/// What an input looks like that is no known format, and what to do about it.
+struct Hint {
+    const char *extension, *advice;
+};
+
+constexpr std::array<Hint, 19> kHints{{
+    {".bag", "a ROS 1 bag: convert it with MRPT's rosbag2rawlog"},
+    {".db3", "a ROS 2 bag: convert it with mola_input_rosbag2, or play it and record a rawlog"},
+    {".mcap",
+     "a ROS 2 bag: convert it with mola_input_rosbag2, or play it and record a rawlog"},
+    {".pcap", "a Velodyne capture: convert it with MRPT's rawlog-grabber (velodyne.ini)"},
+    {".log", "a log, of CARMEN perhaps: convert it with MRPT's carmen2rawlog"},
+    {".clf", "a CARMEN log: convert it with MRPT's carmen2rawlog"},
+    {".las", "a LAS cloud: convert it with 'pdal translate x.las x.ply'"},
+    {".laz", "a LAZ cloud: convert it with 'pdal translate x.laz x.ply'"},
+    {".e57", "an E57 cloud: convert it with 'pdal translate x.e57 x.ply'"},
+    {".xyz", "a text cloud: convert it with 'pdal translate x.xyz x.ply'"},
+    {".zip", "an archive: unpack it first"},
+    {".tar", "an archive: unpack it first"},
+    {".tgz", "an archive: unpack it first"},
+    {".7z", "an archive: unpack it first"},
+    {".bt", "a map, not a recording: see superray-map info, export and compare"},
+    {".ot", "a map, not a recording: see superray-map info, export and compare"},
+    {".srmap", "a map, not a recording: see superray-map info, export and compare"},
+    {".tum", "poses, not scans: give them with --poses"},
+    {".gridmap", "a 2D map of MRPT, not a recording"},
+}};
+
+std::string adviceFor(const std::string& path, bool isFolder) {
+    if (isFolder)
+        return "a folder without scans of a known kind: it has no velodyne/*.bin (KITTI), "
+               "depth/*.png (RGB-D), *.pcd, *.ply or *.bin";
+    for (const Hint& hint : kHints)
+        if (endsWith(path, hint.extension) ||
+            endsWith(path, hint.extension + std::string(".gz")))
+            return hint.advice;
+    std::ifstream file(path, std::ios::binary);
+    std::string start(16, '\0');
+    file.read(start.data(), static_cast<std::streamsize>(start.size()));
+    start.resize(static_cast<std::size_t>(file.gcount()));
+    const auto begins = [&](const std::string& magic) { return start.rfind(magic, 0) == 0; };
+    if (start.empty()) return "an empty file";
+    if (begins("#ROSBAG")) return kHints[0].advice;
+    if (begins("\x89MCAP")) return kHints[2].advice;
+    if (begins("SQLite format 3")) return kHints[1].advice;
+    if (begins("# .PCD") || begins("VERSION") || begins("ply\n"))
+        return "a point cloud: name it .pcd or .ply";
+    if (begins("\x1f\x8b") || begins("\x28\xb5\x2f\xfd"))
+        return "compressed: a rawlog or simplemap must be named so";
+    const bool isText = std::all_of(start.begin(), start.end(), [](char c) {
+        return std::isprint(static_cast<unsigned char>(c)) ||
+               std::isspace(static_cast<unsigned char>(c));
+    });
+    return isText ? "a text file" : "a file of an unknown kind";
+}
+
+const Format& formatOf(const std::string& path) {
+    std::error_code error;
+    if (!fs::exists(path, error)) throw InputError(path + ": no such file or folder");
+    const bool isFolder = fs::is_directory(path, error);
+    if (!isFolder) requireRegularFile(path);
+    for (const Format& format : kFormats)
+        if (format.matches(path, isFolder)) return format;
+    throw InputError(path + ": unknown input; it looks like " + adviceFor(path, isFolder) +
+                     ". Known are .rawlog, .simplemap, .graph (OctoMap), .pcd and .ply, and "
+                     "folders: KITTI odometry and raw, TUM RGB-D, point clouds, .bin scans");
+}
+
+}  // namespace
+
+std::string recordingFormat(const std::string& path) {
+    return formatOf(path).name;
+}
+
+std::unique_ptr<ScanSource> openScanSource(const std::string& path,
+                                           const ScanSourceOptions& options) {
+    if (options.maxScans == 0) throw InputError("the number of scans must be at least 1");
+    if (!(options.maxPoseGap >= 0))
+        throw InputError("the longest gap between poses must be at least 0 s");
+    const Format& format = formatOf(path);
+    const bool isRawlog = std::string(format.name) == kRawlogFormat;
+    const bool asksRawlog = options.poses != PoseOrigin::input &&
+                            options.poses != PoseOrigin::file &&
+                            options.poses != PoseOrigin::fixed;
+    if (asksRawlog && !isRawlog)
+        throw InputError(path + ": has no choice of poses '" + toString(options.poses) +
+                         "' (rawlogs may have)");
+    if (!options.poseLabel.empty() && !isRawlog)
+        throw InputError(path + ": its poses have no labels, so '" + options.poseLabel +
+                         "' is not among them (rawlogs may have)");
+    auto source = format.open(path, options);
+    source->setMaxPoseGap(options.maxPoseGap);
+    return source;
+}
+
+}  // namespace superray

@@ -1,0 +1,471 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What scans of recordings become in a map: dirt that users' recordings have.
+
+#include <gtest/gtest.h>
+#include <mrpt/io/CFileOutputStream.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <superray/eval/input_error.h>
+#include <superray/maps/CSuperRayGridMap3D.h>
+#include <superray/maps/CSuperRayQuadMap.h>
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "eval/sources/room_scans.h"
+#include "eval/temp_folder.h"
+
+namespace superray {
+namespace {
+
+using namespace test;
+using mrpt::poses::CPose2D;
+using mrpt::poses::CPose3D;
+
+constexpr double kDegree = M_PI / 180;
+
+BuildReport buildInto(mrpt::maps::CMetricMap& map, const std::string& path,
+                      const ScanSourceOptions& options = {}) {
+    ScanSources sources;
+    sources.push_back(openScanSource(path, options));
+    return buildMap(sources, map, std::numeric_limits<std::uint64_t>::max(),
+                    [](const BuildProgress&) {});
+}
+
+void expectPart(const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+}
+
+std::optional<bool> occupied(const SuperRayMapInterface& map, double x, double y,
+                             double z = 0) {
+    if (!map.occupancyAt({x, y, z})) return std::nullopt;
+    return map.isOccupied({x, y, z});
+}
+
+// --- no returns --------------------------------------------------------------
+
+TEST(RecordedSensors, rangeZeroIsNoReturn) {
+    TempFolder folder;
+    // Of a laser that flags its zeros valid, and of a rotating scan of one row.
+    auto laser = roomScan(0, 0);
+    auto rotating = mrpt::obs::CObservationRotatingScan::Create();
+    rotating->timestamp = at(0);
+    rotating->rowCount = 1;
+    rotating->columnCount = 100;
+    rotating->rangeImage.setSize(1, 100);
+    rotating->rangeResolution = 0.01;
+    rotating->minRange = 0;
+    for (int i = 0; i < 100; ++i) rotating->rangeImage(0, i) = i % 3 == 0 ? 0 : 250;
+    for (std::size_t i = 0; i < 181; i += 3) laser->setScanRange(i, 0);
+    for (const mrpt::obs::CObservation::Ptr& scan :
+         {mrpt::obs::CObservation::Ptr(laser), mrpt::obs::CObservation::Ptr(rotating)}) {
+        const auto built = buildPlan(writeRawlog(
+            folder / "a.rawlog", {makePose(0, CPose3D(0.05, 0.05, 0, 0, 0, 0)), scan}));
+        EXPECT_EQ(occupied(*built.map, 0.05, 0.05), false);
+        EXPECT_GT(built.report.insertion.noReturns, 30u);
+    }
+}
+
+TEST(RecordedSensors, beyondTheSensorsMaximumIsNoReturn) {
+    TempFolder folder;
+    auto scan = roomScan(0, 0);
+    scan->maxRange = 5;  // the wall ahead is 8 m away
+    scan->setScanRange(90, std::numeric_limits<float>::infinity());
+    const auto built =
+        buildPlan(writeRawlog(folder / "a.rawlog", {makePose(0, CPose3D()), scan}));
+    EXPECT_FALSE(occupied(*built.map, 8.05, 0.05));
+    EXPECT_EQ(occupied(*built.map, 0.05, 2.05), true);
+    EXPECT_EQ(built.report.insertion.skipped.notFinite, 0u);
+    EXPECT_GT(built.report.insertion.noReturns, 10u);
+
+    // Asked to, they clear space up to the maximum.
+    CSuperRayGridMap2D clearing(0.1);
+    clearing.insertionOptions.insertNoReturnRays = true;
+    buildInto(clearing, folder / "a.rawlog");
+    EXPECT_EQ(occupied(clearing, 4.85, 0.05), false);
+    EXPECT_FALSE(occupied(clearing, 5.15, 0.05));
+}
+
+// --- tilted planar scanners --------------------------------------------------
+
+TEST(RecordedSensors, tiltedPlanarScannersAreLeftOutOf2DMaps) {
+    TempFolder folder;
+    struct Case {
+        double pitchDegrees, rollDegrees, tolerance;
+        bool isTaken;
+    };
+    for (const Case& c : {Case{0, 0, 5, true},
+                          {30, 0, 5, false},
+                          {0, 90, 5, false},
+                          {4.9, 0, 5, true},
+                          {5.1, 0, 5, false},
+                          {0, 180, 5, true},
+                          {30, 0, 31, true},
+                          {0.5, 0, 0, false}}) {
+        auto good = roomScan(0, 0), tilted = roomScan(0, 0, "TILTED");
+        tilted->sensorPose =
+            CPose3D(0, 0, 1, 0, c.pitchDegrees * kDegree, c.rollDegrees * kDegree);
+        const auto path =
+            writeRawlog(folder / "a.rawlog", {makePose(0, CPose3D()), good, tilted});
+        CSuperRayGridMap2D plan(0.1);
+        plan.insertionOptions.horizontalTolerance = c.tolerance;
+        const auto report = buildInto(plan, path);
+        EXPECT_EQ(report.tiltedScans, c.isTaken ? 0u : 1u) << c.pitchDegrees << c.rollDegrees;
+        EXPECT_EQ(report.insertion.tilted, c.isTaken ? 0u : 181u);
+        EXPECT_EQ(report.insertion.scans, c.isTaken ? 2u : 1u);
+        EXPECT_EQ(describe(report).find("planar scanners too tilted") == std::string::npos,
+                  c.isTaken);
+        CSuperRayGridMap3D space(0.1);
+        EXPECT_EQ(buildInto(space, path).insertion.scans, 2u);
+    }
+    auto alone = roomScan(0, 0);
+    alone->sensorPose = CPose3D(0, 0, 1, 0, 0.5, 0);
+    const auto path = writeRawlog(folder / "b.rawlog", {makePose(0, CPose3D()), alone});
+    expectPart(messageOf<InputError>([&] { buildPlan(path); }), "horizontalTolerance");
+}
+
+TEST(RecordedSensors, theHeightBandAppliesToPlanarScannersToo) {
+    TempFolder folder;
+    auto low = roomScan(0, 0), high = roomScan(0, 0, "HIGH");
+    low->sensorPose = CPose3D(0, 0, 0.3, 0, 0, 0);
+    high->sensorPose = CPose3D(0, 0, 2.5, 0, 0, 0);
+    const auto path = writeRawlog(folder / "a.rawlog", {makePose(0, CPose3D()), low, high});
+    for (const bool is3D : {false, true}) {
+        CSuperRayGridMap2D plan(0.1);
+        CSuperRayGridMap3D space(0.1);
+        for (TInsertionOptions* o : {&plan.insertionOptions, &space.insertionOptions}) {
+            o->heightBandMin = 0.1;
+            o->heightBandMax = 1.5;
+        }
+        const auto report = is3D ? buildInto(space, path) : buildInto(plan, path);
+        EXPECT_EQ(report.insertion.scans, 1u);
+        EXPECT_EQ(report.insertion.outOfHeightBand, 181u);
+    }
+}
+
+// --- 3D sensors in 2D maps ---------------------------------------------------
+
+constexpr double kBandLow = 0.1, kBandHigh = 1.5;
+
+/// Rays of a lidar at `sensorHeight` to points in the map; the robot is at the origin.
+mrpt::obs::CObservationPointCloud::Ptr lidarScan(double seconds, double sensorHeight,
+                                                 const std::vector<Eigen::Vector3f>& points) {
+    auto scan = mrpt::obs::CObservationPointCloud::Create();
+    scan->timestamp = at(seconds);
+    scan->sensorLabel = "LIDAR";
+    scan->sensorPose = CPose3D(0, 0, sensorHeight, 0, 0, 0);
+    auto cloud = mrpt::maps::CSimplePointsMap::Create();
+    for (const auto& p : points)
+        cloud->insertPoint(p.x(), p.y(), p.z() - static_cast<float>(sensorHeight));
+    scan->pointcloud = cloud;
+    return scan;
+}
+
+/// A 2D map with the band, under each policy and by the reference too.
+void inEveryWay(const std::function<void(CSuperRayGridMap2D&)>& check) {
+    for (const auto policy :
+         {UpdatePolicy::everyRay, UpdatePolicy::oncePerScan, UpdatePolicy::netEvidence})
+        for (const auto method : {Method::automatic, Method::reference, Method::full}) {
+            CSuperRayGridMap2D map(0.1);
+            map.insertionOptions.policy = policy;
+            map.insertionOptions.method = method;
+            map.insertionOptions.heightBandMin = kBandLow;
+            map.insertionOptions.heightBandMax = kBandHigh;
+            check(map);
+        }
+}
+
+void insertAll(CSuperRayGridMap2D& map,
+               const std::vector<mrpt::obs::CObservationPointCloud::Ptr>& scans) {
+    for (const auto& scan : scans) map.insertObservation(*scan, CPose3D());
+}
+
+TEST(RaysOf3DSensorsIn2DMaps, doNotClearWhatTheyPassOver) {
+    // A kerb 0.2 m high at x = 3, and a wall at x = 6 that is seen over it.
+    std::vector<Eigen::Vector3f> points;
+    for (int i = 0; i < 40; ++i)
+        points.emplace_back(6.05f, 0.05f, 0.75f + 0.01f * static_cast<float>(i));
+    points.emplace_back(3.05f, 0.05f, 0.15f);
+    inEveryWay([&](CSuperRayGridMap2D& map) {
+        for (int i = 0; i < 20; ++i) insertAll(map, {lidarScan(i, 1.0, points)});
+        EXPECT_EQ(occupied(map, 3.05, 0.05), true);
+        EXPECT_EQ(occupied(map, 6.05, 0.05), true);
+        EXPECT_EQ(occupied(map, 2.05, 0.05), false);
+        EXPECT_EQ(occupied(map, 4.55, 0.05), false);
+    });
+}
+
+TEST(RaysOf3DSensorsIn2DMaps, clearWhatTheyCrossInsideTheBandWhereverTheyEnd) {
+    // A car at x = 4 drives off; then rays reach the floor behind its place (z = 0), and
+    // the tree tops above it (z = 4).
+    const std::vector<Eigen::Vector3f> car = {{4.05f, 0.05f, 0.5f}, {4.05f, 0.05f, 0.9f}};
+    std::vector<Eigen::Vector3f> gone;
+    for (int i = 0; i < 10; ++i)
+        gone.emplace_back(4.6f + 0.1f * static_cast<float>(i), 0.05f, 0.0f);
+    const std::vector<Eigen::Vector3f> tree = {{12.05f, 0.05f, 4.0f}};
+    inEveryWay([&](CSuperRayGridMap2D& map) {
+        insertAll(map, {lidarScan(0, 1.0, car)});
+        EXPECT_EQ(occupied(map, 4.05, 0.05), true);
+        for (int i = 1; i < 40; ++i) insertAll(map, {lidarScan(i, 1.0, gone)});
+        EXPECT_EQ(occupied(map, 4.05, 0.05), false);
+        EXPECT_EQ(map.lastInsertion().outOfHeightBand, 10u);
+        // The ray to the tree top leaves the band 2 m ahead.
+        map.clear();
+        insertAll(map, {lidarScan(0, 1.0, tree)});
+        EXPECT_EQ(occupied(map, 1.85, 0.05), false);
+        EXPECT_FALSE(occupied(map, 2.15, 0.05));
+        EXPECT_FALSE(occupied(map, 12.05, 0.05));
+    });
+}
+
+TEST(RaysOf3DSensorsIn2DMaps, beginWhereTheyEnterTheBand) {
+    // A sensor 2 m above the floor sees a point at 1 m height, 4 m ahead: the ray is above
+    // the band for the first 2 m.
+    const std::vector<Eigen::Vector3f> points = {{4.05f, 0.05f, 1.0f}};
+    inEveryWay([&](CSuperRayGridMap2D& map) {
+        insertAll(map, {lidarScan(0, 2.0, points)});
+        EXPECT_FALSE(occupied(map, 1.85, 0.05));
+        EXPECT_EQ(occupied(map, 2.25, 0.05), false);
+        EXPECT_EQ(occupied(map, 4.05, 0.05), true);
+        // Nothing of a ray that stays above is taken.
+        map.clear();
+        insertAll(map, {lidarScan(0, 2.0, {{9, 0, 1.9f}})});
+        EXPECT_TRUE(map.isEmpty());
+        EXPECT_EQ(map.lastInsertion().outOfHeightBand, 1u);
+    });
+}
+
+TEST(RaysOf3DSensorsIn2DMaps, keepTheRangeLimitsOfTheSensor) {
+    const std::vector<Eigen::Vector3f> points = {{9.05f, 0.05f, 1.0f}, {1.0f, 0.05f, 1.0f}};
+    inEveryWay([&](CSuperRayGridMap2D& map) {
+        map.insertionOptions.maxrange = 5;
+        map.insertionOptions.minrange = 2;
+        insertAll(map, {lidarScan(0, 1.0, points)});
+        EXPECT_EQ(occupied(map, 4.85, 0.05), false);
+        EXPECT_FALSE(occupied(map, 5.15, 0.05));
+        EXPECT_EQ(map.lastInsertion().skipped.tooNear, 1u);
+        EXPECT_EQ(map.lastInsertion().rays, 1u);
+    });
+}
+
+TEST(RaysOf3DSensorsIn2DMaps, giveOneMapByEveryMethodAndStorage) {
+    std::vector<mrpt::obs::CObservationPointCloud::Ptr> scans;
+    for (unsigned i = 0; i < 4; ++i) scans.push_back(makeCloud(i, i, "LIDAR", 3000));
+    for (const double low : {-std::numeric_limits<double>::infinity(), 0.1})
+        for (const auto policy :
+             {UpdatePolicy::everyRay, UpdatePolicy::oncePerScan, UpdatePolicy::netEvidence}) {
+            std::string expected;
+            const auto build = [&](auto map, Method method, unsigned threads) {
+                map.insertionOptions.policy = policy;
+                map.insertionOptions.method = method;
+                map.insertionOptions.threads = threads;
+                map.insertionOptions.heightBandMin = low;
+                for (int round = 0; round < 3; ++round)
+                    for (const auto& scan : scans)
+                        EXPECT_TRUE(
+                            map.insertObservation(*scan, CPose3D(0.3, 0, 0.2, 1, 0, 0)));
+                if (expected.empty()) expected = map.digest();
+                EXPECT_EQ(map.digest(), expected) << toString(method) << " " << threads;
+            };
+            for (const auto method : {Method::reference, Method::perRay, Method::superRays,
+                                      Method::culling, Method::full, Method::automatic})
+                for (const unsigned threads : {1u, 2u}) {
+                    build(CSuperRayGridMap2D(0.1), method, threads);
+                    build(CSuperRayQuadMap(0.1), method, threads);
+                }
+        }
+}
+
+TEST(MaximumRange, canClearTheCellWhereItCuts) {
+    // In x the cut at 5.04 m lies in the cell from 5.0 to 5.1 m; the wall is at 8 m.
+    const std::vector<Eigen::Vector3f> far = {{8.05f, 0.05f, 1.05f}};
+    for (const bool clears : {false, true}) {
+        CSuperRayGridMap3D space(0.1);
+        CSuperRayGridMap2D plan(0.1);
+        for (TInsertionOptions* o : {&space.insertionOptions, &plan.insertionOptions}) {
+            o->maxrange = 5.04;
+            o->clearAtMaxrange = clears;
+        }
+        const auto expectCleared = [&](mrpt::maps::CMetricMap& map) {
+            const auto& cells = dynamic_cast<const SuperRayMapInterface&>(map);
+            map.insertObservation(*lidarScan(0, 1.05, far), CPose3D(0.001, 0.05, 0, 0, 0, 0));
+            EXPECT_EQ(occupied(cells, 4.95, 0.05, 1.05), false);
+            EXPECT_EQ(occupied(cells, 5.05, 0.05, 1.05),
+                      clears ? std::optional<bool>(false) : std::nullopt);
+            EXPECT_FALSE(occupied(cells, 5.15, 0.05, 1.05));
+        };
+        expectCleared(space);
+        expectCleared(plan);
+        // A return in the cell of the cut is no reason to clear it.
+        {
+            CSuperRayGridMap3D other(0.1);
+            other.insertionOptions.maxrange = 5.04;
+            other.insertionOptions.clearAtMaxrange = clears;
+            other.insertObservation(*lidarScan(0, 1.05, {{5.08f, 0.0f, 1.05f}}),
+                                    CPose3D(0, 0.05, 0, 0, 0, 0));
+            EXPECT_FALSE(occupied(other, 5.05, 0.05, 1.05));
+        }
+    }
+}
+
+// --- classes and files that are not there -------------------------------------
+
+/// An uncompressed rawlog of which one object has a class that MRPT does not know.
+std::string withUnknownClass(const TempFolder& folder, int which) {
+    Objects objects;
+    for (int i = 0; i < 4; ++i) {
+        auto frame = mrpt::obs::CSensoryFrame::Create();
+        frame->insert(makePose(i, CPose3D(driveX(i), 0, 0, 0, 0, 0)));
+        frame->insert(roomScan(i, driveX(i)));
+        objects.push_back(frame);
+    }
+    const auto path = folder / "unknown.rawlog";
+    writeRawlog<mrpt::io::CFileOutputStream>(path, objects);
+    std::string bytes = readWholeFile(path);
+    const std::string name = "CSensoryFrame";
+    std::size_t where = 0;
+    for (int i = 0; i <= which; ++i) where = bytes.find(name, where) + name.size();
+    bytes[where - 1] = 'X';
+    return folder.write("unknown.rawlog", bytes);
+}
+
+TEST(RecordedSensors, anUnknownClassIsNamedAndWhatComesBeforeCanBeUsed) {
+    TempFolder folder;
+    ScanSourceOptions accept;
+    accept.truncation = Truncation::accept;
+    for (const int which : {0, 1, 3}) {
+        const auto path = withUnknownClass(folder, which);
+        const auto message = messageOf<InputError>([&] { buildPlan(path); });
+        expectPart(message, "CSensoryFramX");
+        if (which == 0) continue;  // nothing comes before
+        expectPart(message, "newer MRPT");
+        expectPart(message, "after " + std::to_string(which) + " whole objects, ");
+        // Where the object begins: with a byte for the length of its name.
+        const auto name = readWholeFile(path).find("mrpt::obs::CSensoryFramX");
+        expectPart(message, "in the one at byte " + std::to_string(name - 1) + " of " +
+                                std::to_string(readWholeFile(path).size()));
+        expectPart(message, "--accept-truncated");
+        const auto built = buildPlan(path, accept);
+        EXPECT_EQ(built.report.scans, static_cast<unsigned>(which));
+        EXPECT_EQ(built.report.warnings.size(), 1u);
+    }
+}
+
+mrpt::obs::CObservation3DRangeScan::Ptr depthImage() {
+    auto scan = mrpt::obs::CObservation3DRangeScan::Create();
+    scan->timestamp = at(0);
+    scan->sensorLabel = "CAM";
+    scan->hasRangeImage = true;
+    scan->range_is_depth = true;
+    scan->rangeUnits = 0.001f;
+    scan->maxRange = 5;
+    scan->cameraParams.ncols = 32;
+    scan->cameraParams.nrows = 24;
+    scan->cameraParams.setIntrinsicParamsFromValues(30, 30, 15.5, 11.5);
+    scan->rangeImage.setSize(24, 32);
+    scan->rangeImage.fill(2000);
+    return scan;
+}
+
+TEST(RecordedSensors, externalFilesAreFoundInTheUsualFolders) {
+    TempFolder folder;
+    const auto build = [&] {
+        CSuperRayGridMap3D map(0.1);
+        buildInto(map, folder / "cam.rawlog");
+        return map.digest();
+    };
+    writeRawlog(folder / "cam.rawlog", {makePose(0, CPose3D()), depthImage()});
+    const auto expected = build();
+    auto external = depthImage();
+    std::filesystem::create_directory(folder / "made");
+    external->rangeImage_convertToExternalStorage("ranges.bin", (folder / "made") + "/");
+    const auto data = readWholeFile(folder / "made/ranges.bin");
+    writeRawlog(folder / "cam.rawlog", {makePose(0, CPose3D()), external});
+    for (const char* name :
+         {"cam_Images", "cam_images", "cam_IMAGES", "Images", "images", "."}) {
+        const auto file = folder.write(std::string(name) + "/ranges.bin", data);
+        EXPECT_EQ(build(), expected) << name;
+        std::filesystem::remove(file);
+    }
+    const auto message = messageOf<InputError>([&] { build(); });
+    expectPart(message, "ranges.bin is not there; looked in ");
+    expectPart(message, folder / "cam_Images");
+    expectPart(message, folder / "Images");
+    expectPart(message, "scan 1 (sensor 'CAM')");
+}
+
+TEST(RecordedSensors, rotatingScansOfSeveralRowsAreRefusedWithTheReason) {
+    TempFolder folder;
+    auto scan = mrpt::obs::CObservationRotatingScan::Create();
+    scan->timestamp = at(0);
+    scan->sensorLabel = "ROTATING";
+    scan->rowCount = 16;
+    scan->columnCount = 20;
+    scan->rangeImage.setSize(16, 20);
+    scan->rangeImage.fill(100);
+    scan->rangeResolution = 0.01;
+    const auto path = writeRawlog(folder / "a.rawlog", {makePose(0, CPose3D()), scan});
+    const auto message = messageOf<InputError>([&] { buildPlan(path); });
+    expectPart(message, "16 rows");
+    expectPart(message, "vertical angles");
+    const auto mixed =
+        writeRawlog(folder / "b.rawlog", {makePose(0, CPose3D()), scan, roomScan(0, 0)});
+    expectPart(describe(buildPlan(mixed).report), "warning    the rotating scan 'ROTATING'");
+}
+
+// --- the cases ----------------------------------------------------------------
+
+TEST(RecordingCases, sensorCasesAreMappedAsTheyShould) {
+    if (!std::filesystem::exists(casePath("base_odo.rawlog")))
+        GTEST_SKIP() << "CASES ABSENT: " << casePath("") << "; NOT TESTED";
+    const auto zero = buildPlan(casePath("zero_ranges.rawlog"));
+    for (const double x : {0.0, 0.5, 1.0})
+        EXPECT_EQ(occupied(*zero.map, x + 0.01, 0.01), false) << x;
+
+    const auto vertical = buildPlan(casePath("vertical_laser.rawlog"));
+    EXPECT_GT(vertical.report.tiltedScans, 30u);
+    int driven = 0;
+    for (double x = 0.01; x < 4; x += 0.1, ++driven)
+        EXPECT_NE(occupied(*vertical.map, x, 0.01), true) << x;
+    EXPECT_EQ(driven, 40);
+    CSuperRayGridMap3D space(0.1);
+    EXPECT_EQ(buildInto(space, casePath("vertical_laser.rawlog")).tiltedScans, 0u);
+
+    const auto path = casePath("unregistered_class.rawlog");
+    expectPart(messageOf<InputError>([&] { buildPlan(path); }), "CSensoryFramX");
+    ScanSourceOptions accept;
+    accept.truncation = Truncation::accept;
+    EXPECT_EQ(buildPlan(path, accept).report.scans, 3u);
+
+    CSuperRayGridMap3D camera(0.1);
+    EXPECT_EQ(buildInto(camera, casePath("ext/cam.rawlog")).insertion.rays, 768u);
+}
+
+TEST(RecordingCases, aLowObjectStaysInThePlan) {
+    if (!std::filesystem::exists(casePath("low_object.rawlog")))
+        GTEST_SKIP() << "CASES ABSENT: " << casePath("") << "; NOT TESTED";
+    // The cells of the box, as the 3D map has them, seen from above.
+    CSuperRayGridMap3D space(0.1);
+    space.insertionOptions.policy = UpdatePolicy::oncePerScan;
+    buildInto(space, casePath("low_object.rawlog"));
+    std::set<std::pair<int, int>> box;
+    for (int x = 138; x <= 143; ++x)
+        for (int y = -15; y < 15; ++y)
+            for (int z = 1; z < 5; ++z)
+                if (space.isOccupied({(x + 0.5) * 0.1, (y + 0.5) * 0.1, (z + 0.5) * 0.1}))
+                    box.emplace(x, y);
+    EXPECT_EQ(box.size(), 12u);
+    inEveryWay([&](CSuperRayGridMap2D& map) {
+        buildInto(map, casePath("low_object.rawlog"));
+        for (const auto& [x, y] : box)
+            EXPECT_EQ(occupied(map, (x + 0.5) * 0.1, (y + 0.5) * 0.1), true) << x << " " << y;
+    });
+}
+
+}  // namespace
+}  // namespace superray
