@@ -188,12 +188,12 @@ void SuperRayGrouper<Dim>::findBorders(const MappingLine& line) {
     borders_.clear();
     for (int i = 0; i < line.crossedA; ++i) {
         const double distance = firstA + i - line.originA;  // > 0
-        const double from =
-            std::max(firstB, std::ceil(line.originB + *lowest * (distance - margin) - margin));
-        const double to =
-            std::min(lastB, std::floor(line.originB + *highest * (distance + margin) + margin));
-        for (double j = from; j <= to; ++j) {
-            const double height = j - line.originB;  // > 0
+        const auto from = static_cast<std::int64_t>(
+            std::max(firstB, std::ceil(line.originB + *lowest * (distance - margin) - margin)));
+        const auto to = static_cast<std::int64_t>(std::min(
+            lastB, std::floor(line.originB + *highest * (distance + margin) + margin)));
+        for (std::int64_t j = from; j <= to; ++j) {
+            const double height = static_cast<double>(j) - line.originB;  // > 0
             borders_.push_back(
                 {(height - margin) / (distance + margin),
                  distance > margin ? (height + margin) / (distance - margin) : HUGE_VAL});

@@ -32,8 +32,8 @@
 namespace superray {
 namespace {
 
-/// A minor axis on the way from group to group. Coordinates are mirrored, see
-/// RayLine.
+/// One minor axis of a walk. The walk takes 8 slices at a time, a group, in which a ray
+/// enters at most two blocks of this axis. Coordinates are mirrored, see RayLine.
 struct MinorAxis {
     std::int64_t entering, step;  ///< units on entering the group; per group
     std::int64_t block;           ///< in which the group is entered
@@ -55,8 +55,8 @@ struct MinorAxis {
     }
 };
 
-/// Makes the missing ones of a group's blocks: the id of one of them. \param
-/// pick bit m: the odd block of minor axis m
+/// The id of one of a group's blocks, which is made if it is missing.
+/// \param pick bit m: the odd block of minor axis m
 template <int Dim, int D>
 std::uint32_t idOfPicked(ScanCounts<Dim>& counts, std::int32_t majorBlock,
                          const MinorAxis* minor, int pick) {

@@ -14,8 +14,8 @@ inline std::size_t chunkBegin(std::size_t n, std::size_t chunk, std::size_t chun
     return n * chunk / chunks;
 }
 
-/// Number of chunks for `n` elements, with at least `perChunk` in each: 1 .. `threads`. \pre
-/// threads > 0
+/// Number of chunks for `n` elements, with at least `perChunk` in each: 1 .. `threads`.
+/// \pre threads > 0
 inline std::size_t chunkCountFor(std::size_t n, std::size_t perChunk, std::size_t threads) {
     return std::max<std::size_t>(1, std::min(threads, n / perChunk));
 }
