@@ -67,17 +67,17 @@ realtime() {
         >"$out/realtime-$name-all.txt"
 }
 
-# Whole sequences, but of the outdoor world, where octomap takes too long.
+# As many scans as octomap takes a few minutes for.
 if ((quick)); then
     compare indoor indoor 0.4 3 2
     compare outdoor outdoor 1.0 1 1
 else
-    compare indoor indoor 0.1,0.2,0.4,0.8,1.0 66 20
-    compare outdoor outdoor 0.2,0.4,0.8,1.0 20 5
-    compare outdoor-fine outdoor 0.1 8 3
+    compare indoor indoor 0.1,0.2,0.4,0.8,1.0 66 10
+    compare outdoor outdoor 0.2,0.4,0.8,1.0 12 3
+    compare outdoor-fine outdoor 0.1 5 2
 fi
-for recording in "rgbd_room 0.05 0.02 100 10 30 0.05 2" "ouster_hall 0.2 0.1 30 8 10 0.2 1" \
-    "kitti_hdl64 0.2 0.1 30 5 10 0.2 1" "kitti_hdl64 - - - - 10 0.1 2"; do
+for recording in "rgbd_room 0.05 0.02 50 10 30 0.05 2" "ouster_hall 0.2 0.1 30 5 10 0.2 1" \
+    "kitti_hdl64 0.2 0.1 12 3 10 0.2 1" "kitti_hdl64 - - - - 10 0.1 2"; do
     read -r name coarse fine scans few rate resolution threads <<<"$recording"
     file=$data/$name.rawlog
     if [[ -z $data || ! -f $file ]]; then
