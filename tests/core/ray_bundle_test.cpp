@@ -63,6 +63,19 @@ TEST(RayBundle, OriginsPerRay) {
     EXPECT_EQ(rays.skipped().notFinite, 2u);
 }
 
+TEST(RayBundle, TheFirstRayMayHaveAnOriginOfItsOwn) {
+    const CellGeometry<3> g(0.1);
+    RayBundle<3> rays(g, {0, 0, 0});
+    rays.add({1, 2, 3}, {1, kNan, 3}, RayEnd::hit);  // left out, and so is its origin
+    EXPECT_TRUE(rays.hasCommonOrigin());
+    rays.add({1, 2, 3}, {2, 2, 3}, RayEnd::hit);
+    rays.add({0, 1, 0});
+    ASSERT_EQ(rays.size(), 2u);
+    EXPECT_FALSE(rays.hasCommonOrigin());
+    EXPECT_EQ(rays.origin(0), Point<3>(1, 2, 3));
+    EXPECT_EQ(rays.origin(1), Point<3>(0, 0, 0));
+}
+
 TEST(RayBundle, BadOriginAndLimitsThrow) {
     const CellGeometry<2> g(0.1);
     EXPECT_THROW((RayBundle<2>(g, {kNan, 0})), std::invalid_argument);

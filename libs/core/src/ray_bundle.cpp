@@ -101,12 +101,13 @@ void RayBundle<Dim>::add(const Point<Dim>& origin, const Point<Dim>& end, RayEnd
         ++(origin.allFinite() ? skipped_.outOfRange : skipped_.notFinite);
         return;
     }
-    if (origins_.empty() && origin != origin_) origins_.assign(size(), origin_);
     const std::size_t before = size();
     addRay(origin, end, kind);
     if (size() == before) return;
     include(origin);
-    if (!origins_.empty()) origins_.push_back(origin);
+    if (origins_.empty() && origin == origin_) return;
+    if (origins_.empty()) origins_.assign(before, origin_);
+    origins_.push_back(origin);
 }
 
 template <int Dim>

@@ -194,7 +194,7 @@ RayBundle<Dim> toRays(const SensorReturns& returns, const mrpt::poses::CPose3D& 
         returns, geometry, options, report, [&](float) { return &T_map_sensor; },
         [&](const Eigen::Vector3d& from, const Eigen::Vector3d& p_map, RayEnd kind) {
             const Point<Dim> origin = from.template head<Dim>();
-            // A bundle takes rays of other origins after one of its common origin only.
+            // The common origin is that of the first ray: most rays often share it.
             if (rays.empty() && batch.empty() && origin != rays.commonOrigin()) {
                 report.skipped += rays.skipped();
                 rays.restart(origin);
