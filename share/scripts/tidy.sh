@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Runs clang-tidy with the checks of .clang-tidy; a finding is an error.
 #
-#   tidy.sh              the sources of libs and apps that the last 10 commits, or
+#   tidy.sh              the sources of libs and apps that the last 5 commits, or
 #                        changes that are not committed, have touched
 #   tidy.sh --since REV  those touched since REV
 #   tidy.sh --all        all of them (about half an hour on two cores)
@@ -24,7 +24,7 @@ case ${1:-} in
     --since) [[ $# -eq 2 ]] || { sed -n '3,12s/^# \{0,1\}//p' "$0" >&2; exit 2; }
              files=$(touched_since "$2") ;;
     -*) sed -n '3,12s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
-    "") base=$(git rev-list --first-parent --max-count=11 HEAD | tail -n 1)
+    "") base=$(git rev-list --first-parent --max-count=6 HEAD | tail -n 1)
         files=$(touched_since "$base") ;;
     *) files=$(printf '%s\n' "$@") ;;
 esac
