@@ -3,22 +3,25 @@
 # Checks that every way to build a map gives the same map, on whole recordings:
 # all methods, 1 and 2 threads, both 3D classes. Long; run by hand:
 #
-#   verify_digests.sh [--scans N] [--program superray-map] FILE.rawlog@RESOLUTION...
+#   verify_digests.sh [--scans N] [--policy P] [--program superray-map]
+#                     FILE.rawlog@RESOLUTION...
 #
 # e.g. verify_digests.sh room.rawlog@0.05 hall.rawlog@0.1 hall.rawlog@0.2
 # Prints one line per recording, resolution, class, method and number of
 # threads. Exit code: 0 all equal, 1 not, 2 error.
 set -euo pipefail
 program=$(dirname "${BASH_SOURCE[0]}")/../../build/release/apps/superray-map/superray-map
-scans=()
+options=()
 inputs=()
 usage() {
-    echo "usage: $0 [--scans N] [--program superray-map] FILE.rawlog@RESOLUTION..." >&2
+    echo "usage: $0 [--scans N] [--policy P] [--program superray-map]" \
+        "FILE.rawlog@RESOLUTION..." >&2
     exit 2
 }
 while [[ $# -gt 0 ]]; do
     case $1 in
-        --scans) [[ $# -gt 1 ]] || usage; scans=(--scans "$2"); shift 2 ;;
+        --scans) [[ $# -gt 1 ]] || usage; options+=(--scans "$2"); shift 2 ;;
+        --policy) [[ $# -gt 1 ]] || usage; options+=(--policy "$2"); shift 2 ;;
         --program) [[ $# -gt 1 ]] || usage; program=$2; shift 2 ;;
         *@*) inputs+=("$1"); shift ;;
         *) usage ;;
@@ -44,7 +47,7 @@ for input in "${inputs[@]}"; do
                 started=$(date +%s.%N)
                 "$program" build "$rawlog" -o "$work/map.srmap" --map "$class" \
                     --resolution "$resolution" --method "$method" --threads "$threads" \
-                    ${scans[@]+"${scans[@]}"} >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 2; }
+                    ${options[@]+"${options[@]}"} >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 2; }
                 seconds=$(echo "$(date +%s.%N) $started" | awk '{printf "%.1f", $1 - $2}')
                 digest=$("$program" info "$work/map.srmap" --json |
                     sed -n 's/.*"digest": "\([0-9a-f]*\)".*/\1/p')
