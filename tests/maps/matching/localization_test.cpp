@@ -97,7 +97,10 @@ TEST(Localization, EverySupportedObservationPrefersItsPose) {
         for (const auto& scan : scans) {
             const auto map = createMap(className);
             if (!dynamic_cast<SuperRayMapInterface*>(&*map)) continue;
-            const auto truth = test::someRobotPose();
+            // 2D maps leave out scans of a plane that is tilted.
+            const bool is2D = dynamic_cast<CSuperRayMapBase<2>*>(&*map) != nullptr;
+            const auto truth =
+                is2D ? CPose3D(1.5, -2.25, 0.75, 0.8, 0, 0) : test::someRobotPose();
             ASSERT_TRUE(map->insertObservation(*scan, truth));
             ASSERT_TRUE(map->canComputeObservationLikelihood(*scan));
             const double here = map->computeObservationLikelihood(*scan, truth);
