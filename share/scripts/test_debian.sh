@@ -75,6 +75,9 @@ make_root() {
     # Package lists of a mirror that stands still are past their date.
     printf '%s\n' 'Acquire::Check-Valid-Until "false";' 'Acquire::Retries "3";' \
         >"$1/etc/apt/apt.conf.d/90mirror"
+    # Nobody needs this root after a power cut: without syncs, packages install much faster.
+    mkdir -p "$1/etc/dpkg/dpkg.cfg.d"
+    echo force-unsafe-io >"$1/etc/dpkg/dpkg.cfg.d/90fast"
 }
 
 # in_root DIR COMMAND: runs a shell command there, in the checkout's copy.
