@@ -3,9 +3,9 @@
 
 #include <superray/eval/input_error.h>
 #include <superray/maps/observation_rays.h>
+#include <superray/maps/pose_track.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "sources/scan_source_formats.h"
@@ -86,8 +86,8 @@ std::vector<SensorInfo> SensorSurvey::result() const {
         SensorInfo& info = result.back();
         info.timed = entry.first.has_value();
         if (!info.timed) continue;
-        info.first = std::chrono::duration<double>(*entry.first - *start).count();
-        info.last = std::chrono::duration<double>(*entry.last - *start).count();
+        info.first = secondsBetween(*start, *entry.first);
+        info.last = secondsBetween(*start, *entry.last);
     }
     return result;
 }

@@ -67,7 +67,7 @@ PoseSummary PoseLookup::summary(Trajectory::Time firstScan,
         summary = PoseSummary("the robot stays at the map's origin");
     if (origin_ == PoseOrigin::file) {
         const auto after = [&](Trajectory::Time time) {
-            return std::chrono::duration<double>(time - firstScan).count();
+            return secondsBetween(firstScan, time);
         };
         summary = PoseSummary("file '" + file_ + "'", trajectory_.size());
         summary.setTimes(after(trajectory_.firstTime()), after(trajectory_.lastTime()));

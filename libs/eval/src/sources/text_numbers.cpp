@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sources/text_numbers.h"
 
+#include <superray/eval/input_error.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <sstream>
+
+#include "text/text_input.h"
 
 namespace superray {
 namespace {
@@ -44,6 +49,14 @@ std::optional<std::vector<double>> parseNumbers(const std::string& line) {
     return numbers;
 }
 
+std::optional<double> parseNumber(const std::string& word) {
+    double value = 0;
+    const char* const end = word.data() + word.size();
+    const auto [rest, error] = std::from_chars(word.data(), end, value);
+    if (error != std::errc{} || rest != end || !std::isfinite(value)) return std::nullopt;
+    return value;
+}
+
 std::optional<std::vector<double>> parseRow(const std::string& line) {
     return parseWords(line, kSeparators);
 }
@@ -58,6 +71,21 @@ bool isHeading(const std::string& line) {
 bool isCommentLine(const std::string& line) {
     const auto first = line.find_first_not_of(kBlanks);
     return first == std::string::npos || line[first] == '#' || line[first] == '%';
+}
+
+void forEachLine(const std::filesystem::path& path,
+                 const std::function<void(const std::string&, const std::string&)>& visit) {
+    std::istringstream file = openTextInput(path.string(), LastLine::mustEnd);
+    std::string line;
+    for (std::size_t number = 1; std::getline(file, line); ++number)
+        if (!isCommentLine(line)) visit(line, path.string() + ":" + std::to_string(number));
+}
+
+std::vector<double> numbersOrThrow(const std::string& text, const std::string& where) {
+    auto numbers = parseNumbers(text);
+    if (!numbers)
+        throw InputError(where + ": every column must be a finite number, separated by blanks");
+    return *numbers;
 }
 
 }  // namespace superray

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file text_numbers.h
-/// Numbers of a line of text, whatever the locale.
+/// Lines of text files and their numbers, whatever the locale.
 
+#include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +15,9 @@ namespace superray {
 /// entirely a finite number.
 std::optional<std::vector<double>> parseNumbers(const std::string& line);
 
+/// The finite number that a word is, entirely; nothing for other words.
+std::optional<double> parseNumber(const std::string& word);
+
 /// The numbers of a line of a table, separated by blanks or commas; they may be NaN or
 /// infinite. Nothing if any word is not entirely a number.
 std::optional<std::vector<double>> parseRow(const std::string& line);
@@ -22,5 +27,13 @@ bool isHeading(const std::string& line);
 
 /// True for lines without data: empty, blank, or starting with # or %.
 bool isCommentLine(const std::string& line);
+
+/// Calls `visit(line, where)` for every line with data of a text file.
+/// \throws InputError as openTextInput(); its last line must end
+void forEachLine(const std::filesystem::path& path,
+                 const std::function<void(const std::string&, const std::string&)>& visit);
+
+/// \throws InputError naming `where` if a word is no number
+std::vector<double> numbersOrThrow(const std::string& text, const std::string& where);
 
 }  // namespace superray

@@ -11,19 +11,18 @@
 
 namespace superray {
 
-struct CloudFile {
-    mrpt::maps::CSimplePointsMap::Ptr points;  ///< [m]
-    /// Where the sensor was, if the file says (PCD's VIEWPOINT other than the origin).
-    std::optional<mrpt::poses::CPose3D> viewpoint;
-};
+/// Points [m] of a PCD file of the Point Cloud Library, version 0.7 and before: ascii, binary,
+/// or binary_compressed; fields x, y, z of any type, others are skipped. \throws InputError
+/// naming file and rule; also for files that end early
+mrpt::maps::CSimplePointsMap::Ptr readPcd(const std::string& path);
 
-/// PCD of the Point Cloud Library, version 0.7 and before: ascii, binary, or
-/// binary_compressed; fields x, y, z of any type, others are skipped.
-/// \throws InputError naming file and rule; also for files that end early
-CloudFile readPcd(const std::string& path);
+/// Where the sensor was, as the header of a PCD file says: its VIEWPOINT, if that is other
+/// than the origin. Reads no more than the start of the file.
+/// \throws InputError
+std::optional<mrpt::poses::CPose3D> readPcdViewpoint(const std::string& path);
 
-/// PLY: ascii, or binary of either byte order; element vertex with x, y, z of any type.
-/// \throws InputError likewise
-CloudFile readPly(const std::string& path);
+/// Points of a PLY file: ascii, or binary of either byte order; element vertex with x, y, z of
+/// any type. \throws InputError likewise
+mrpt::maps::CSimplePointsMap::Ptr readPly(const std::string& path);
 
 }  // namespace superray

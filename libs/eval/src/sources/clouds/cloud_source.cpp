@@ -13,9 +13,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-CloudFile readCloud(const fs::path& path) {
-    return equalIgnoringCase(path.extension().string(), ".ply") ? readPly(path.string())
-                                                                : readPcd(path.string());
+bool isPly(const fs::path& path) {
+    return equalIgnoringCase(path.extension().string(), ".ply");
+}
+
+mrpt::maps::CSimplePointsMap::Ptr readCloud(const fs::path& path) {
+    return isPly(path) ? readPly(path.string()) : readPcd(path.string());
 }
 
 }  // namespace
@@ -33,8 +36,8 @@ std::unique_ptr<ScanSource> openClouds(const std::string& path,
         Frame frame;
         frame.file = file;
         frame.time = timeOfName(file.stem().string()).value_or(Trajectory::Time());
-        // Viewpoints are in the headers; the points are read later.
-        if (options.poses == PoseOrigin::input) frame.T_map_robot = readCloud(file).viewpoint;
+        if (options.poses == PoseOrigin::input && !isPly(file))
+            frame.T_map_robot = readPcdViewpoint(file.string());
         viewpoints += frame.T_map_robot.has_value();
         recording.frames.push_back(frame);
     }
@@ -44,7 +47,7 @@ std::unique_ptr<ScanSource> openClouds(const std::string& path,
     recording.ownPoses = PoseSummary("viewpoints of the files", viewpoints);
     recording.read = [](const Frame& frame) -> mrpt::obs::CObservation::Ptr {
         auto observation = mrpt::obs::CObservationPointCloud::Create();
-        observation->pointcloud = readCloud(frame.file).points;
+        observation->pointcloud = readCloud(frame.file);
         return observation;
     };
     return makeFrameSource(std::move(recording), options);

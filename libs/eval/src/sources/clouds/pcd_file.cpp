@@ -4,11 +4,12 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "sources/clouds/cloud_files.h"
-#include "sources/clouds/file_bytes.h"
 #include "sources/clouds/scalar_field.h"
+#include "sources/file_bytes.h"
 #include "sources/text_numbers.h"
 
 namespace superray {
@@ -29,33 +30,46 @@ struct Header {
 };
 
 constexpr double kMostPoints = 1e9;
+/// A header of 1000 fields with long names is far below.
+constexpr std::uint64_t kMostHeaderBytes = 1 << 20;
 
 class PcdReader {
  public:
-    explicit PcdReader(const std::string& path) : path_(path), bytes_(readFileBytes(path)) {}
-
-    CloudFile read() {
+    PcdReader(const std::string& path, std::string bytes)
+        : path_(path), bytes_(std::move(bytes)) {
         readHeader();
-        CloudFile cloud;
-        cloud.points = mrpt::maps::CSimplePointsMap::Create();
+    }
+
+    mrpt::maps::CSimplePointsMap::Ptr points() {
+        auto points = mrpt::maps::CSimplePointsMap::Create();
         if (header_.data == "ascii") {
-            readAscii(*cloud.points);
+            readAscii(*points);
         } else if (header_.data == "binary") {
             const std::uint64_t expected = header_.points * header_.pointBytes;
             if (bytes_.size() - at_ < expected)
                 fail("it ends early: " + std::to_string(header_.points) + " points of " +
                      std::to_string(header_.pointBytes) + " bytes do not fit its size");
-            readRecords(bytes_.data() + at_, *cloud.points);
+            readRecords(bytes_.data() + at_, *points);
             at_ += expected;
         } else if (header_.data == "binary_compressed") {
-            readCompressed(*cloud.points);
+            readCompressed(*points);
         } else {
             fail("DATA '" + header_.data + "': must be ascii, binary or binary_compressed");
         }
         if (!isPadding(bytes_, at_)) fail("other data follow its points");
-        cloud.points->mark_as_modified();
-        cloud.viewpoint = viewpoint();
-        return cloud;
+        viewpoint();  // must be one
+        points->mark_as_modified();
+        return points;
+    }
+
+    std::optional<mrpt::poses::CPose3D> viewpoint() const {
+        const auto& v = header_.viewpoint;
+        if (v == std::array<double, 7>{0, 0, 0, 1, 0, 0, 0}) return std::nullopt;
+        const double norm = std::sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5] + v[6] * v[6]);
+        if (!(std::abs(norm - 1) < 0.01)) fail("VIEWPOINT has no unit quaternion");
+        const mrpt::math::CQuaternionDouble q(v[3] / norm, v[4] / norm, v[5] / norm,
+                                              v[6] / norm);
+        return mrpt::poses::CPose3D(q, v[0], v[1], v[2]);
     }
 
  private:
@@ -73,11 +87,10 @@ class PcdReader {
     }
 
     std::uint64_t wholeNumber(const std::string& word, const std::string& what) const {
-        const auto number = parseNumbers(word);
-        if (!number || number->size() != 1 || !(number->front() >= 0) ||
-            number->front() > kMostPoints || std::floor(number->front()) != number->front())
+        const auto number = parseNumber(word);
+        if (!number || *number < 0 || *number > kMostPoints || std::floor(*number) != *number)
             fail(what + " '" + word + "' must be a whole number of at most 1e9");
-        return static_cast<std::uint64_t>(number->front());
+        return static_cast<std::uint64_t>(*number);
     }
 
     void readHeader() {
@@ -184,9 +197,9 @@ class PcdReader {
 
     float value(const std::string& word) const {
         if (word == "nan" || word == "-nan" || word == "NaN") return std::nanf("");
-        const auto number = parseNumbers(word);
+        const auto number = parseNumber(word);
         if (!number) fail("'" + word + "' is not a number");
-        return static_cast<float>(number->front());
+        return static_cast<float>(*number);
     }
 
     void readRecords(const char* records, mrpt::maps::CSimplePointsMap& points) const {
@@ -256,16 +269,6 @@ class PcdReader {
         return out;
     }
 
-    std::optional<mrpt::poses::CPose3D> viewpoint() const {
-        const auto& v = header_.viewpoint;
-        if (v == std::array<double, 7>{0, 0, 0, 1, 0, 0, 0}) return std::nullopt;
-        const double norm = std::sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5] + v[6] * v[6]);
-        if (!(std::abs(norm - 1) < 0.01)) fail("VIEWPOINT has no unit quaternion");
-        const mrpt::math::CQuaternionDouble q(v[3] / norm, v[4] / norm, v[5] / norm,
-                                              v[6] / norm);
-        return mrpt::poses::CPose3D(q, v[0], v[1], v[2]);
-    }
-
     std::string path_, bytes_;
     std::size_t at_ = 0;
     Header header_;
@@ -273,8 +276,12 @@ class PcdReader {
 
 }  // namespace
 
-CloudFile readPcd(const std::string& path) {
-    return PcdReader(path).read();
+mrpt::maps::CSimplePointsMap::Ptr readPcd(const std::string& path) {
+    return PcdReader(path, readFileBytes(path)).points();
+}
+
+std::optional<mrpt::poses::CPose3D> readPcdViewpoint(const std::string& path) {
+    return PcdReader(path, readFileBytes(path, kMostHeaderBytes)).viewpoint();
 }
 
 }  // namespace superray

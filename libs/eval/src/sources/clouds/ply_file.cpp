@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sources/clouds/cloud_files.h"
-#include "sources/clouds/file_bytes.h"
 #include "sources/clouds/scalar_field.h"
+#include "sources/file_bytes.h"
 #include "sources/text_numbers.h"
 
 namespace superray {
@@ -53,10 +53,9 @@ class PlyReader {
  public:
     explicit PlyReader(const std::string& path) : path_(path), bytes_(readFileBytes(path)) {}
 
-    CloudFile read() {
+    mrpt::maps::CSimplePointsMap::Ptr read() {
         readHeader();
-        CloudFile cloud;
-        cloud.points = mrpt::maps::CSimplePointsMap::Create();
+        auto points = mrpt::maps::CSimplePointsMap::Create();
         for (const Element& element : elements_) {
             const bool isVertex = element.name == "vertex";
             if (isVertex) {
@@ -67,17 +66,17 @@ class PlyReader {
                 if (element.hasList) fail("its vertices have a list");
             }
             if (format_ == "ascii")
-                readText(element, isVertex ? cloud.points.get() : nullptr);
+                readText(element, isVertex ? points.get() : nullptr);
             else if (element.hasList)
                 skipLists(element);
             else
-                readBinary(element, isVertex ? cloud.points.get() : nullptr);
+                readBinary(element, isVertex ? points.get() : nullptr);
             found_ = found_ || isVertex;
         }
         if (!found_) fail("it has no element vertex");
         if (!isPadding(bytes_, at_)) fail("other data follow its elements");
-        cloud.points->mark_as_modified();
-        return cloud;
+        points->mark_as_modified();
+        return points;
     }
 
  private:
@@ -154,9 +153,9 @@ class PlyReader {
             const auto at = [&](const char* axis) {
                 const std::string& word = words[element.columnOf.at(axis)];
                 if (word.find("nan") != std::string::npos) return std::nanf("");
-                const auto number = parseNumbers(word);
+                const auto number = parseNumber(word);
                 if (!number) fail("'" + word + "' is not a number");
-                return static_cast<float>(number->front());
+                return static_cast<float>(*number);
             };
             points->insertPointFast(at("x"), at("y"), at("z"));
         }
@@ -212,7 +211,7 @@ class PlyReader {
 
 }  // namespace
 
-CloudFile readPly(const std::string& path) {
+mrpt::maps::CSimplePointsMap::Ptr readPly(const std::string& path) {
     return PlyReader(path).read();
 }
 

@@ -5,13 +5,12 @@
 #include <superray/maps/option_text.h>
 
 #include <algorithm>
-#include <charconv>
-#include <chrono>
 #include <memory>
 #include <utility>
 
 #include "sources/folders/kitti_files.h"
 #include "sources/read_guard.h"
+#include "sources/text_numbers.h"
 
 namespace superray {
 namespace {
@@ -97,7 +96,7 @@ class FrameSource final : public ScanSource {
         }
         if (!track_.empty() && frames.front().time != Trajectory::Time()) {
             const auto after = [&](Trajectory::Time time) {
-                return std::chrono::duration<double>(time - frames.front().time).count();
+                return secondsBetween(frames.front().time, time);
             };
             summary_.setTimes(after(track_.firstTime()), after(track_.lastTime()));
         }
@@ -152,14 +151,12 @@ std::unique_ptr<ScanSource> makeFrameSource(FrameRecording recording,
 }
 
 std::optional<Trajectory::Time> timeOfName(const std::string& stem) {
-    double value = 0;
-    const auto [rest, error] = std::from_chars(stem.data(), stem.data() + stem.size(), value);
-    if (error != std::errc{} || rest != stem.data() + stem.size() || !(value >= 0))
-        return std::nullopt;
-    if (isAllDigits(stem) && stem.size() == 19) return mrpt::Clock::fromDouble(value * 1e-9);
-    if (isAllDigits(stem) && stem.size() == 16) return mrpt::Clock::fromDouble(value * 1e-6);
-    if (value > 1e11) return std::nullopt;
-    return mrpt::Clock::fromDouble(value);
+    const auto value = parseNumber(stem);
+    if (!value || *value < 0) return std::nullopt;
+    if (isAllDigits(stem) && stem.size() == 19) return mrpt::Clock::fromDouble(*value * 1e-9);
+    if (isAllDigits(stem) && stem.size() == 16) return mrpt::Clock::fromDouble(*value * 1e-6);
+    if (*value > 1e11) return std::nullopt;
+    return mrpt::Clock::fromDouble(*value);
 }
 
 std::vector<fs::path> listFrames(const fs::path& folder,
@@ -175,11 +172,8 @@ std::vector<fs::path> listFrames(const fs::path& folder,
     }
     std::vector<std::pair<double, fs::path>> numbered;
     for (const auto& file : files) {
-        const std::string stem = file.stem().string();
-        double value = 0;
-        const auto [rest, bad] = std::from_chars(stem.data(), stem.data() + stem.size(), value);
-        if (bad == std::errc{} && rest == stem.data() + stem.size())
-            numbered.emplace_back(value, file);
+        if (const auto number = parseNumber(file.stem().string()))
+            numbered.emplace_back(*number, file);
     }
     if (numbered.size() != files.size()) {
         std::sort(files.begin(), files.end());

@@ -4,8 +4,10 @@
 #include <mrpt/math/CMatrixFixed.h>
 #include <superray/eval/input_error.h>
 
-#include <fstream>
+#include <cstring>
+#include <sstream>
 
+#include "sources/file_bytes.h"
 #include "sources/text_numbers.h"
 #include "text/text_input.h"
 
@@ -13,21 +15,6 @@ namespace superray {
 
 namespace fs = std::filesystem;
 using Eigen::Isometry3d;
-
-void forEachLine(const fs::path& path,
-                 const std::function<void(const std::string&, const std::string&)>& visit) {
-    std::istringstream file = openTextInput(path.string(), LastLine::mustEnd);
-    std::string line;
-    for (std::size_t number = 1; std::getline(file, line); ++number)
-        if (!isCommentLine(line)) visit(line, path.string() + ":" + std::to_string(number));
-}
-
-std::vector<double> numbersOrThrow(const std::string& text, const std::string& where) {
-    auto numbers = parseNumbers(text);
-    if (!numbers)
-        throw InputError(where + ": every column must be a finite number, separated by blanks");
-    return *numbers;
-}
 
 Isometry3d fromRowMajor(const std::vector<double>& v, const std::string& where) {
     if (v.size() != 12)
@@ -71,15 +58,13 @@ std::vector<mrpt::poses::CPose3D> readKittiPoses(const std::string& path) {
 
 mrpt::maps::CSimplePointsMap::Ptr readKittiPoints(const fs::path& path) {
     constexpr std::size_t kPointBytes = 4 * sizeof(float);  // x y z reflectance
-    requireRegularFile(path.string());
-    const auto bytes = fs::file_size(path);
-    if (bytes % kPointBytes != 0)
-        throw InputError(path.string() + ": is truncated: its size " + std::to_string(bytes) +
+    const std::string bytes = readFileBytes(path.string());
+    if (bytes.size() % kPointBytes != 0)
+        throw InputError(path.string() + ": is truncated: its size " +
+                         std::to_string(bytes.size()) +
                          " is not a multiple of 16 (x y z reflectance, float32)");
-    std::vector<float> values(bytes / sizeof(float));
-    std::ifstream file(path, std::ios::binary);
-    if (!file.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(bytes)))
-        throw InputError(path.string() + ": cannot be read");
+    std::vector<float> values(bytes.size() / sizeof(float));
+    if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
     auto points = mrpt::maps::CSimplePointsMap::Create();
     points->reserve(values.size() / 4);
     for (std::size_t i = 0; i < values.size(); i += 4)

@@ -8,19 +8,10 @@
 
 #include <Eigen/Geometry>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
 namespace superray {
-
-/// Calls `visit(line, where)` for every line with data of a text file.
-/// \throws InputError as openTextInput(); its last line must end
-void forEachLine(const std::filesystem::path& path,
-                 const std::function<void(const std::string&, const std::string&)>& visit);
-
-/// \throws InputError naming `where` if a word is no number
-std::vector<double> numbersOrThrow(const std::string& text, const std::string& where);
 
 /// A 3x4 matrix in row-major order, as KITTI writes poses and calibrations.
 /// \throws InputError naming `where`: not 12 numbers, or no rotation

@@ -5,12 +5,11 @@
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <superray/eval/input_error.h>
 
-#include <charconv>
 #include <sstream>
 
 #include "sources/folders/depth_image.h"
 #include "sources/folders/frame_source.h"
-#include "sources/folders/kitti_files.h"
+#include "sources/text_numbers.h"
 
 namespace superray {
 namespace {

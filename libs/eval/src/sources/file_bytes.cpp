@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sources/clouds/file_bytes.h"
+#include "sources/file_bytes.h"
 
 #include <superray/eval/input_error.h>
 
@@ -12,18 +12,18 @@
 
 namespace superray {
 
-std::string readFileBytes(const std::string& path) {
-    constexpr std::uintmax_t kMost = std::uintmax_t{4} << 30;
+std::string readFileBytes(const std::string& path, std::uint64_t most) {
+    constexpr std::uintmax_t kLargest = std::uintmax_t{4} << 30;
     requireRegularFile(path);
     std::ifstream file(path, std::ios::binary);
     if (!file) throw InputError(path + ": cannot be opened for reading");
     const auto size = std::filesystem::file_size(path);
-    if (size > kMost)
+    if (size > kLargest)
         throw InputError(path + ": has " + std::to_string(size) + " bytes; clouds of at most " +
-                         std::to_string(kMost) + " are read");
-    std::string bytes(size, '\0');
-    file.read(bytes.data(), static_cast<std::streamsize>(size));
-    if (file.gcount() != static_cast<std::streamsize>(size))
+                         std::to_string(kLargest) + " are read");
+    std::string bytes(std::min<std::uint64_t>(size, most), '\0');
+    file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (file.gcount() != static_cast<std::streamsize>(bytes.size()))
         throw InputError(path + ": cannot be read");
     return bytes;
 }

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file file_bytes.h
-/// What the readers of cloud files share.
+/// Files as bytes, and what readers of clouds share.
 
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
 namespace superray {
 
-/// The contents of a regular file.
+/// The contents of a regular file, or their first `most` bytes.
 /// \throws InputError if it cannot be read, has more than 4 GiB, or is no regular file (a
 ///         device may never end)
-std::string readFileBytes(const std::string& path);
+std::string readFileBytes(const std::string& path,
+                          std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 
 /// True if bytes after the data are only blanks, line ends and zeros, as some writers
 /// fill up a file with.
