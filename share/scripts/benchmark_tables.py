@@ -145,7 +145,7 @@ def compare_tables(documents):
     beside = [c for c in cases if c.has_peers() and not c.is_grids_alone()]
     two = [c for c in cases if c.get("grid", 2) or c.get("octree", 2)]
     once = [c for c in cases if c.policy == "oncePerScan"]
-    paper = [c for c in cases if c.others]
+    paper = [c for c in cases if any(policy == "everyRay" for _, _, policy in c.others)]
     out = []
     if one:
         maps = ["octomap", "octomap-rays", "grid", "octree"]

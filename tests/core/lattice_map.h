@@ -7,6 +7,9 @@
 #include <superray/core/scan_integrator.h>
 
 #include <optional>
+#include <string>
+
+#include "core/test_map.h"
 
 namespace superray::test {
 
@@ -69,6 +72,30 @@ std::optional<Cell<Dim>> firstDifference(const CellCountMap<Dim>& got,
                 (map.unknown(cell) && got.count(cell) != expected.count(cell)))
                 return cell;
     return std::nullopt;
+}
+
+/// Updates of the map by every fast method and policy, against the counts of the oracle.
+/// \param onRun (method, statistics) called after each
+/// \return the first method and policy that differs, in words; empty: none
+template <int Dim, class OnRun>
+std::string firstDifferentRun(const RayBundle<Dim>& rays, const CellCountMap<Dim>& expected,
+                              const HoledMap<Dim>& map, unsigned threads,
+                              ScanIntegrator<Dim>& integrator, const OnRun& onRun) {
+    for (const Method method : kFastMethods) {
+        for (const UpdatePolicy policy : kUpdatePolicies) {
+            const SensorModel model = defaultModel(policy);
+            IntegratorOptions options;
+            options.method = method;
+            options.policy = policy;
+            options.superRayThreshold = 1;
+            options.threads = threads;
+            const auto counts = countsOf(integrator.integrate(rays, model, options, &map));
+            if (firstDifference(counts, expected, map, model, policy))
+                return std::string(toString(method)) + ", " + toString(policy);
+            onRun(method, integrator.statistics());
+        }
+    }
+    return {};
 }
 
 }  // namespace superray::test

@@ -90,23 +90,15 @@ TYPED_TEST(Lattice, AllMethodsUpdateTheMapAsTheOracleDoes) {
         const RayBundle<Dim> rays = set % 4 == 0 ? test::rounded(exact) : exact;
         const CellCountMap<Dim> expected = countCells(rays);
         const HoledMap<Dim> map(random(), kOneIn[set % 4]);
-        for (const Method method : kFastMethods) {
-            for (const UpdatePolicy policy : kUpdatePolicies) {
-                const SensorModel model(SensorProbabilities::defaultsOf(policy));
-                IntegratorOptions options;
-                options.method = method;
-                options.policy = policy;
-                options.superRayThreshold = 1;
-                options.threads = set % 64 == 0 ? 2 : 1;
-                const auto counts = countsOf(integrator.integrate(rays, model, options, &map));
-                ASSERT_FALSE(firstDifference(counts, expected, map, model, policy))
-                    << "set " << set << " " << toString(method) << " " << toString(policy);
-                ++comparisons;
-                const ScanStatistics& s = integrator.statistics();
-                if (method == Method::superRays) merged += s.rays - s.superRays;
-                culled += s.raysCulled;
-            }
-        }
+        const std::string different =
+            firstDifferentRun<Dim>(rays, expected, map, set % 64 == 0 ? 2 : 1, integrator,
+                                   [&](Method method, const ScanStatistics& s) {
+                                       ++comparisons;
+                                       if (method == Method::superRays)
+                                           merged += s.rays - s.superRays;
+                                       culled += s.raysCulled;
+                                   });
+        ASSERT_EQ(different, "") << "set " << set;
     }
     EXPECT_EQ(comparisons, static_cast<std::uint64_t>(sets) * std::size(kFastMethods) *
                                std::size(kUpdatePolicies));

@@ -3,11 +3,9 @@
 // set of the process against the oracle. A difference is thrown, and so a finding.
 
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 
 #include "core/lattice_map.h"
-#include "core/test_map.h"
 #include "fuzz/target.h"
 
 namespace superray::fuzz {
@@ -64,19 +62,9 @@ void tryOneSet(Bytes& bytes, int head) {
         exact.add(point(), (ends >> i & 1) != 0 ? RayEnd::noReturn : RayEnd::hit);
     const auto expected = countCells(exact);
     static ScanIntegrator<Dim> integrator;
-    for (const Method method : test::kFastMethods) {
-        for (const UpdatePolicy policy : kUpdatePolicies) {
-            const SensorModel model(SensorProbabilities::defaultsOf(policy));
-            IntegratorOptions options;
-            options.method = method;
-            options.policy = policy;
-            options.superRayThreshold = 1;
-            const auto got = test::countsOf(integrator.integrate(exact, model, options, &map));
-            if (test::firstDifference(got, expected, map, model, policy))
-                throw std::logic_error(std::string(toString(method)) + ", " + toString(policy) +
-                                       ": not as the oracle says");
-        }
-    }
+    const std::string different =
+        test::firstDifferentRun<Dim>(exact, expected, map, 1, integrator, [](auto&&...) {});
+    if (!different.empty()) throw std::logic_error(different + ": not as the oracle says");
 }
 
 std::string seed(int head, std::uint64_t pattern) {

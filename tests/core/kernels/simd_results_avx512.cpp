@@ -3,7 +3,7 @@
 #if defined(__x86_64__)
 #include "kernels/simd/avx512.h"
 
-#include "core/kernels/simd_results.h"
+#include "core/kernels/simd_operations.h"
 
 namespace superray::test {
 

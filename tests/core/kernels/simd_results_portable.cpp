@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kernels/simd/portable.h"
 
-#include "core/kernels/simd_results.h"
+#include "core/kernels/simd_operations.h"
 
 namespace superray::test {
 

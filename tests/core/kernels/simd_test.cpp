@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "core/kernels/simd_results_of.h"
+#include "core/kernels/simd_results.h"
 
 namespace superray::test {
 namespace {
