@@ -3,6 +3,7 @@
 /// \file temp_folder.h
 /// A folder of a test's own, gone when the test ends.
 
+#include <gtest/gtest.h>
 #include <stdlib.h>
 
 #include <filesystem>
@@ -60,6 +61,10 @@ std::string messageOf(const Action& action) {
         return e.what();
     }
     return "no exception";
+}
+
+inline void expectPart(const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text << " must have: " << part;
 }
 
 }  // namespace superray::test

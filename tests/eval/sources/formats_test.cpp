@@ -10,9 +10,8 @@
 
 #include <filesystem>
 #include <optional>
-#include <random>
 
-#include "eval/recorded_scans.h"
+#include "eval/sources/format_samples.h"
 #include "eval/temp_folder.h"
 
 namespace superray {
@@ -22,99 +21,8 @@ namespace fs = std::filesystem;
 using namespace test;
 using mrpt::poses::CPose3D;
 
-std::string sample(const std::string& name) {
-    return std::string(SUPERRAY_TEST_DATA_DIR) + "/formats/" + name;
-}
-
-/// As make_samples.py.
-mrpt::obs::CObservationPointCloud::Ptr sampleScan(int scan) {
-    auto cloud = mrpt::obs::CObservationPointCloud::Create();
-    cloud->timestamp = at(1000 + 0.5 * scan);
-    auto points = mrpt::maps::CSimplePointsMap::Create();
-    for (int i = 0; i < 60; ++i)
-        points->insertPoint(static_cast<float>((i * 37 + scan * 11) % 200 - 100) / 16.0f,
-                            static_cast<float>((i * 53 + scan * 7) % 160 - 80) / 16.0f,
-                            static_cast<float>((i * 29) % 40 - 20) / 16.0f);
-    cloud->pointcloud = points;
-    return cloud;
-}
-
-CPose3D samplePose(int scan) {
-    return CPose3D(0.013 + 0.5 * scan, 0.027 - 0.25 * scan, 0.041 + 0.125 * scan, 0, 0, 0);
-}
-
-mrpt::obs::CObservation3DRangeScan::Ptr sampleImage(int scan) {
-    auto image = mrpt::obs::CObservation3DRangeScan::Create();
-    image->timestamp = at(1000 + 0.5 * scan);
-    image->hasRangeImage = true;
-    image->range_is_depth = true;
-    image->rangeUnits = 1.0f / 5000;
-    image->maxRange = 100;
-    image->cameraParams.ncols = 32;
-    image->cameraParams.nrows = 24;
-    image->cameraParams.setIntrinsicParamsFromValues(30, 31, 15.4, 11.6);
-    // The ground truth is that of the optical frame.
-    image->sensorPose = -CPose3D(0, 0, 0, -M_PI / 2, 0, -M_PI / 2);
-    image->rangeImage.setSize(24, 32);
-    for (int r = 0; r < 24; ++r)
-        for (int c = 0; c < 32; ++c)
-            image->rangeImage(r, c) =
-                (r + c) % 7 == 0
-                    ? std::uint16_t{0}
-                    : static_cast<std::uint16_t>(5000 + 100 * r + 50 * c + 700 * scan);
-    return image;
-}
-
-struct Built {
-    std::string digest, poses;
-    std::uint64_t scans = 0;
-};
-
-Built build(const std::string& path, const ScanSourceOptions& options = {}) {
-    ScanSources sources;
-    sources.push_back(openScanSource(path, options));
-    CSuperRayGridMap3D map(0.3);
-    const auto report = buildMap(sources, map, std::numeric_limits<std::uint64_t>::max(),
-                                 [](const BuildProgress&) {});
-    return {map.digest(), report.poses.front(), report.scans};
-}
-
-/// The map of the samples, given as a rawlog.
-std::string expectedDigest(bool images = false) {
-    TempFolder folder;
-    Objects objects;
-    for (int i = 0; i < 3; ++i) {
-        objects.push_back(makePose(1000 + 0.5 * i, samplePose(i)));
-        if (images)
-            objects.push_back(sampleImage(i));
-        else
-            objects.push_back(sampleScan(i));
-    }
-    return build(writeRawlog(folder / "a.rawlog", objects)).digest;
-}
-
-ScanSourceOptions withPoses(const std::string& file) {
-    ScanSourceOptions options;
-    options.poses = PoseOrigin::file;
-    options.posesFile = file;
-    return options;
-}
-
-ScanSourceOptions sampleCamera() {
-    ScanSourceOptions options;
-    options.depthCamera.fx = 30;
-    options.depthCamera.fy = 31;
-    options.depthCamera.cx = 15.4;
-    options.depthCamera.cy = 11.6;
-    return options;
-}
-
 std::string errorOf(const std::string& path, const ScanSourceOptions& options = {}) {
     return messageOf<InputError>([&] { build(path, options); });
-}
-
-void expectPart(const std::string& text, const std::string& part) {
-    EXPECT_NE(text.find(part), std::string::npos) << text << " must have: " << part;
 }
 
 TEST(Formats, pointCloudFilesGiveTheMapOfTheRawlog) {
@@ -284,121 +192,6 @@ TEST(Formats, whatFollowsThePointsIsCheckedToo) {
     expectPart(error(pcd(one, lzf('\x0e', "\x0b" + point + "x"))), "damaged");
     expectPart(error(pcd(one, lzf('\x0d', "\x0b" + point + "x"))), "other data follow");
 }
-
-/// What of a file that is cut can be seen.
-enum class Cuts {
-    seen,            ///< every cut
-    seenBut16Bytes,  ///< of points without a header: not if whole points are left
-    seenInCounts     ///< of lists: as fewer scans, where whole lines are left
-};
-
-/// A file of a sample that is broken, and how it is read.
-struct Breakable {
-    const char *recording, *file;
-    Cuts cuts;
-};
-
-void PrintTo(const Breakable& b, std::ostream* out) {
-    *out << b.recording << "/" << b.file;
-}
-
-class BrokenFormats : public testing::TestWithParam<Breakable> {
- protected:
-    BrokenFormats() {
-        const std::string name = GetParam().recording;
-        // The poses of those that have none of their own are in the folder, too.
-        fs::copy(sample(name), folder_ / name, fs::copy_options::recursive);
-        fs::copy(sample("poses.tum"), folder_ / name);
-        fs::copy(sample("poses.kitti"), folder_ / name);
-        fs::copy(sample("global_pose.csv"), folder_ / name);
-        input_ = folder_ / name;
-        if (name == "kitti") input_ += "/sequences/07";
-        if (name == "kitti_raw") input_ += "/2011_09_26_drive_0001_sync";
-        if (name == "rgbd") {
-            options_ = sampleCamera();
-        } else if (name.rfind("kitti", 0) != 0) {
-            const bool given = std::string(GetParam().file) == "poses.kitti";
-            options_ = withPoses((folder_ / name) + (given              ? "/poses.kitti"
-                                                     : name == "mulran" ? "/global_pose.csv"
-                                                                        : "/poses.tum"));
-        }
-        whole_ = readWholeFile(folder_ / inFolder());
-        expected_ = build(input_, options_);
-    }
-    static std::string inFolder() {
-        return std::string(GetParam().recording) + "/" + GetParam().file;
-    }
-    /// Nothing if it is refused, in one line.
-    std::optional<Built> buildWith(const std::string& bytes) {
-        folder_.write(inFolder(), bytes);
-        try {
-            return build(input_, options_);
-        } catch (const InputError& e) {
-            EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
-            return std::nullopt;
-        }
-    }
-
-    TempFolder folder_;
-    std::string input_, whole_;
-    ScanSourceOptions options_;
-    Built expected_;
-};
-
-/// Never a crash, never a hang; if it is read, then as the whole one (the file ended in
-/// bytes that do not matter), or without what was left out.
-TEST_P(BrokenFormats, truncatedAnywhere) {
-    int refused = 0;
-    for (std::size_t i = 0; i < 100; ++i) {
-        const std::size_t length = whole_.size() * i / 100;
-        const auto built = buildWith(whole_.substr(0, length));
-        refused += !built;
-        if (!built || built->digest == expected_.digest) continue;
-        const bool isTold =
-            (GetParam().cuts == Cuts::seenBut16Bytes && length % 16 == 0) ||
-            (GetParam().cuts == Cuts::seenInCounts && built->scans < expected_.scans);
-        EXPECT_TRUE(isTold) << "silently, at " << length;
-    }
-    EXPECT_GT(refused, 15);  // binary PCD is filled up to 4 kB
-}
-
-TEST_P(BrokenFormats, randomBytes) {
-    std::mt19937 random(7);
-    int refused = 0;
-    for (int i = 0; i < 100; ++i) {
-        auto broken = whole_;
-        for (int k = i % 2 == 0 ? 100 : 1; k > 0; --k)
-            broken[random() % broken.size()] = static_cast<char>(random());
-        refused += !buildWith(broken);
-    }
-    const bool hasRules = GetParam().cuts != Cuts::seenBut16Bytes;  // any bytes are points
-    EXPECT_GT(refused, hasRules ? 25 : -1);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Samples, BrokenFormats,
-    testing::Values(
-        Breakable{"pcd_ascii", "1000.500000.pcd", Cuts::seen},
-        Breakable{"pcd_binary", "1000.500000.pcd", Cuts::seen},
-        Breakable{"pcd_compressed", "1000.500000.pcd", Cuts::seen},
-        Breakable{"ply_ascii", "1000.500000.ply", Cuts::seen},
-        Breakable{"ply_binary", "1000.500000.ply", Cuts::seen},
-        Breakable{"ply_binary", "poses.tum", Cuts::seenInCounts},
-        Breakable{"ply_binary", "poses.kitti", Cuts::seen},
-        Breakable{"mulran", "global_pose.csv", Cuts::seenInCounts},
-        Breakable{"mulran", "1600001000500000000.bin", Cuts::seenBut16Bytes},
-        Breakable{"rgbd", "depth/1000.500000.png", Cuts::seen},
-        Breakable{"rgbd", "depth.txt", Cuts::seenInCounts},
-        Breakable{"rgbd", "groundtruth.txt", Cuts::seenInCounts},
-        Breakable{"kitti", "sequences/07/calib.txt", Cuts::seen},
-        Breakable{"kitti", "sequences/07/times.txt", Cuts::seen},
-        Breakable{"kitti", "sequences/07/velodyne/000001.bin", Cuts::seenBut16Bytes},
-        Breakable{"kitti", "poses/07.txt", Cuts::seen},
-        Breakable{"kitti_raw", "calib_imu_to_velo.txt", Cuts::seen},
-        Breakable{"kitti_raw", "2011_09_26_drive_0001_sync/velodyne_points/timestamps.txt",
-                  Cuts::seen},
-        Breakable{"kitti_raw", "2011_09_26_drive_0001_sync/oxts/data/0000000001.txt",
-                  Cuts::seen}));
 
 }  // namespace
 }  // namespace superray

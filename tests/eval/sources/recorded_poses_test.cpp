@@ -84,10 +84,6 @@ class RecordedPosesTest : public testing::Test {
     int files_ = 0;
 };
 
-void expectPart(const std::string& text, const std::string& part) {
-    EXPECT_NE(text.find(part), std::string::npos) << text;
-}
-
 TEST_F(RecordedPosesTest, areToldInOneLine) {
     EXPECT_EQ(build(drive()).poses, "odometry 'ODOMETRY', 6, 0.0 to 5.0 s");
     expectPart(describe(build(drive()).report),
