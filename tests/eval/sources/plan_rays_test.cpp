@@ -107,6 +107,13 @@ TEST(RaysOf3DSensorsIn2DMaps, beginWhereTheyEnterTheBand) {
         insertAll(map, {lidarScan(0, 2.0, {{9, 0, 1.9f}})});
         EXPECT_TRUE(map.isEmpty());
         EXPECT_EQ(map.lastInsertion().outOfHeightBand, 1u);
+        // A sensor on the floor sees a point at 0.2 m height, 4 m ahead: the ray is below
+        // the band, which begins at 0.1 m, for the first 2 m.
+        map.clear();
+        insertAll(map, {lidarScan(0, 0.0, {{4.05f, 0.05f, 0.2f}})});
+        EXPECT_FALSE(occupied(map, 1.85, 0.05));
+        EXPECT_EQ(occupied(map, 2.25, 0.05), false);
+        EXPECT_EQ(occupied(map, 4.05, 0.05), true);
     });
 }
 
