@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "sources/folders/frame_source.h"
+#include "sources/ros/ros_source.h"
 #include "sources/scan_source_formats.h"
 
 namespace superray {
@@ -26,6 +27,19 @@ bool hasFolder(const fs::path& folder, const char* name) {
     return fs::is_directory(folder / name, error);
 }
 
+/// The first bytes of a file, or fewer.
+std::string startOf(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::string start(16, '\0');
+    file.read(start.data(), static_cast<std::streamsize>(start.size()));
+    start.resize(static_cast<std::size_t>(file.gcount()));
+    return start;
+}
+
+bool beginsWith(const std::string& path, const std::string& magic) {
+    return startOf(path).rfind(magic, 0) == 0;
+}
+
 struct Format {
     const char* name;
     bool (*matches)(const std::string& path, bool isFolder);
@@ -33,7 +47,7 @@ struct Format {
 };
 
 /// The formats in the order they are tried.
-constexpr std::array<Format, 9> kFormats{{
+constexpr std::array<Format, 10> kFormats{{
     {kRawlogFormat,
      [](const std::string& p, bool folder) {
          return !folder && (endsWith(p, ".rawlog") || endsWith(p, ".rawlog.gz"));
@@ -47,6 +61,12 @@ constexpr std::array<Format, 9> kFormats{{
     {"OctoMap scan graph",
      [](const std::string& p, bool folder) { return !folder && endsWith(p, ".graph"); },
      openScanGraph},
+    {kRos1Format,
+     [](const std::string& p, bool folder) {
+         return !folder && (endsWith(p, ".bag") || endsWith(p, ".bag.active") ||
+                            beginsWith(p, "#ROSBAG V"));
+     },
+     openRos},
     {"point cloud file (PCD, PLY)",
      [](const std::string& p, bool folder) {
          return !folder && (endsWith(p, ".pcd") || endsWith(p, ".ply"));
@@ -80,8 +100,7 @@ struct Hint {
     const char *extension, *advice;
 };
 
-constexpr std::array<Hint, 19> kHints{{
-    {".bag", "a ROS 1 bag: convert it with MRPT's rosbag2rawlog"},
+constexpr std::array<Hint, 18> kHints{{
     {".db3", "a ROS 2 bag: convert it with mola_input_rosbag2, or play it and record a rawlog"},
     {".mcap",
      "a ROS 2 bag: convert it with mola_input_rosbag2, or play it and record a rawlog"},
@@ -111,15 +130,11 @@ std::string adviceFor(const std::string& path, bool isFolder) {
         if (endsWith(path, hint.extension) ||
             endsWith(path, hint.extension + std::string(".gz")))
             return hint.advice;
-    std::ifstream file(path, std::ios::binary);
-    std::string start(16, '\0');
-    file.read(start.data(), static_cast<std::streamsize>(start.size()));
-    start.resize(static_cast<std::size_t>(file.gcount()));
+    const std::string start = startOf(path);
     const auto begins = [&](const std::string& magic) { return start.rfind(magic, 0) == 0; };
     if (start.empty()) return "an empty file";
-    if (begins("#ROSBAG")) return kHints[0].advice;
-    if (begins("\x89MCAP")) return kHints[2].advice;
-    if (begins("SQLite format 3")) return kHints[1].advice;
+    if (begins("\x89MCAP")) return kHints[1].advice;
+    if (begins("SQLite format 3")) return kHints[0].advice;
     if (begins("# .PCD") || begins("VERSION") || begins("ply\n"))
         return "a point cloud: name it .pcd or .ply";
     if (begins("\x1f\x8b") || begins("\x28\xb5\x2f\xfd"))
@@ -139,11 +154,16 @@ const Format& formatOf(const std::string& path) {
     for (const Format& format : kFormats)
         if (format.matches(path, isFolder)) return format;
     throw InputError(path + ": unknown input; it looks like " + adviceFor(path, isFolder) +
-                     ". Known are .rawlog, .simplemap, .graph (OctoMap), .pcd and .ply, and "
+                     ". Known are .rawlog, .simplemap, .graph (OctoMap), .bag, .pcd and .ply, "
+                     "and "
                      "folders: KITTI odometry and raw, TUM RGB-D, point clouds, .bin scans");
 }
 
 }  // namespace
+
+bool isRosFormat(const std::string& name) {
+    return name == kRos1Format;
+}
 
 std::string recordingFormat(const std::string& path) {
     return formatOf(path).name;
@@ -155,16 +175,17 @@ std::unique_ptr<ScanSource> openScanSource(const std::string& path,
     if (!(options.maxPoseGap >= 0))
         throw InputError("the longest gap between poses must be at least 0 s");
     const Format& format = formatOf(path);
-    const bool isRawlog = std::string(format.name) == kRawlogFormat;
-    const bool asksRawlog = options.poses != PoseOrigin::input &&
+    const bool hasLabels =
+        std::string(format.name) == kRawlogFormat || isRosFormat(format.name);
+    const bool asksLabelled = options.poses != PoseOrigin::input &&
                             options.poses != PoseOrigin::file &&
                             options.poses != PoseOrigin::fixed;
-    if (asksRawlog && !isRawlog)
+    if (asksLabelled && !hasLabels)
         throw InputError(path + ": has no choice of poses '" + toString(options.poses) +
-                         "' (rawlogs may have)");
-    if (!options.poseLabel.empty() && !isRawlog)
+                         "' (rawlogs and ROS recordings may have)");
+    if (!options.poseLabel.empty() && !hasLabels)
         throw InputError(path + ": its poses have no labels, so '" + options.poseLabel +
-                         "' is not among them (rawlogs may have)");
+                         "' is not among them (rawlogs and ROS recordings may have)");
     auto source = format.open(path, options);
     source->setMaxPoseGap(options.maxPoseGap);
     return source;
