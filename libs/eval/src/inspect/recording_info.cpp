@@ -92,8 +92,7 @@ void surveyRos(const std::string& path, const ScanSourceOptions& asked, Recordin
     RobotFrame robot;
     try {
         robot = chooseRobotFrame(contents, options, path);
-        info.posesFound =
-            PoseChooser::list(robotPoses(contents, robot.name, limits).streams);
+        info.posesFound = PoseChooser::list(robotPoses(contents, robot.name, limits).streams);
     } catch (const InputError&) {
         // What a build says of it, too.
     }

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "sources/folders/frame_source.h"
+#include "sources/ros/ros_recording.h"
 #include "sources/ros/ros_source.h"
 #include "sources/scan_source_formats.h"
 
@@ -47,7 +48,7 @@ struct Format {
 };
 
 /// The formats in the order they are tried.
-constexpr std::array<Format, 10> kFormats{{
+constexpr std::array<Format, 13> kFormats{{
     {kRawlogFormat,
      [](const std::string& p, bool folder) {
          return !folder && (endsWith(p, ".rawlog") || endsWith(p, ".rawlog.gz"));
@@ -66,6 +67,18 @@ constexpr std::array<Format, 10> kFormats{{
          return !folder && (endsWith(p, ".bag") || endsWith(p, ".bag.active") ||
                             beginsWith(p, "#ROSBAG V"));
      },
+     openRos},
+    {kRos2Format,
+     [](const std::string& p, bool folder) {
+         return !folder && (endsWith(p, ".db3") || beginsWith(p, "SQLite format 3"));
+     },
+     openRos},
+    {kMcapFormat,
+     [](const std::string& p, bool folder) {
+         return !folder && (endsWith(p, ".mcap") || beginsWith(p, "\x89MCAP"));
+     },
+     openRos},
+    {kRos2Folder, [](const std::string& p, bool folder) { return folder && isBagFolder(p); },
      openRos},
     {"point cloud file (PCD, PLY)",
      [](const std::string& p, bool folder) {
@@ -101,9 +114,8 @@ struct Hint {
 };
 
 constexpr std::array<Hint, 18> kHints{{
-    {".db3", "a ROS 2 bag: convert it with mola_input_rosbag2, or play it and record a rawlog"},
-    {".mcap",
-     "a ROS 2 bag: convert it with mola_input_rosbag2, or play it and record a rawlog"},
+    {".db3.zstd", "a ROS 2 bag that is compressed: unpack it by 'zstd -d'"},
+    {".mcap.zstd", "a ROS 2 bag that is compressed: unpack it by 'zstd -d'"},
     {".pcap", "a Velodyne capture: convert it with MRPT's rawlog-grabber (velodyne.ini)"},
     {".log", "a log, of CARMEN perhaps: convert it with MRPT's carmen2rawlog"},
     {".clf", "a CARMEN log: convert it with MRPT's carmen2rawlog"},
@@ -125,7 +137,7 @@ constexpr std::array<Hint, 18> kHints{{
 std::string adviceFor(const std::string& path, bool isFolder) {
     if (isFolder)
         return "a folder without scans of a known kind: it has no velodyne/*.bin (KITTI), "
-               "depth/*.png (RGB-D), *.pcd, *.ply or *.bin";
+               "depth/*.png (RGB-D), *.db3 or *.mcap (ROS 2), *.pcd, *.ply or *.bin";
     for (const Hint& hint : kHints)
         if (endsWith(path, hint.extension) ||
             endsWith(path, hint.extension + std::string(".gz")))
@@ -133,8 +145,6 @@ std::string adviceFor(const std::string& path, bool isFolder) {
     const std::string start = startOf(path);
     const auto begins = [&](const std::string& magic) { return start.rfind(magic, 0) == 0; };
     if (start.empty()) return "an empty file";
-    if (begins("\x89MCAP")) return kHints[1].advice;
-    if (begins("SQLite format 3")) return kHints[0].advice;
     if (begins("# .PCD") || begins("VERSION") || begins("ply\n"))
         return "a point cloud: name it .pcd or .ply";
     if (begins("\x1f\x8b") || begins("\x28\xb5\x2f\xfd"))
@@ -154,15 +164,16 @@ const Format& formatOf(const std::string& path) {
     for (const Format& format : kFormats)
         if (format.matches(path, isFolder)) return format;
     throw InputError(path + ": unknown input; it looks like " + adviceFor(path, isFolder) +
-                     ". Known are .rawlog, .simplemap, .graph (OctoMap), .bag, .pcd and .ply, "
-                     "and "
-                     "folders: KITTI odometry and raw, TUM RGB-D, point clouds, .bin scans");
+                     ". Known are .rawlog, .simplemap, .graph (OctoMap), .bag, .db3 and .mcap "
+                     "(ROS), .pcd and .ply, and folders: ROS 2 bags, KITTI odometry and raw, "
+                     "TUM RGB-D, point clouds, .bin scans");
 }
 
 }  // namespace
 
 bool isRosFormat(const std::string& name) {
-    return name == kRos1Format;
+    return name == kRos1Format || name == kRos2Format || name == kMcapFormat ||
+           name == kRos2Folder;
 }
 
 std::string recordingFormat(const std::string& path) {
@@ -178,8 +189,8 @@ std::unique_ptr<ScanSource> openScanSource(const std::string& path,
     const bool hasLabels =
         std::string(format.name) == kRawlogFormat || isRosFormat(format.name);
     const bool asksLabelled = options.poses != PoseOrigin::input &&
-                            options.poses != PoseOrigin::file &&
-                            options.poses != PoseOrigin::fixed;
+                              options.poses != PoseOrigin::file &&
+                              options.poses != PoseOrigin::fixed;
     if (asksLabelled && !hasLabels)
         throw InputError(path + ": has no choice of poses '" + toString(options.poses) +
                          "' (rawlogs and ROS recordings may have)");

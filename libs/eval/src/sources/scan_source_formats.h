@@ -26,6 +26,9 @@ std::unique_ptr<ScanSource> openTimedBins(const std::filesystem::path& folder,
 
 inline constexpr const char* kRawlogFormat = "MRPT rawlog";
 inline constexpr const char* kRos1Format = "ROS 1 bag";
+inline constexpr const char* kRos2Format = "ROS 2 bag (SQLite)";
+inline constexpr const char* kMcapFormat = "MCAP (ROS)";
+inline constexpr const char* kRos2Folder = "folder of a ROS 2 bag";
 
 /// True for the names of ROS formats.
 bool isRosFormat(const std::string& name);

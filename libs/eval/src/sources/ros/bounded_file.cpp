@@ -19,10 +19,9 @@ BoundedFile::BoundedFile(const std::string& path) : path_(path) {
 
 void BoundedFile::require(std::uint64_t count) const {
     if (count > left())
-        throw TruncatedInputError(path_ + ": ends early: a record at byte " +
-                                  std::to_string(position_) + " needs " +
-                                  std::to_string(count) + " bytes, " + std::to_string(left()) +
-                                  " are left");
+        throw TruncatedInputError(
+            path_ + ": ends early: a record at byte " + std::to_string(position_) + " needs " +
+            std::to_string(count) + " bytes, " + std::to_string(left()) + " are left");
 }
 
 std::string BoundedFile::read(std::uint64_t count) {

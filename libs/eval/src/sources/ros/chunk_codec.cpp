@@ -34,8 +34,8 @@ class Output {
     explicit Output(std::uint64_t size) : size_(size) {}
     void add(const char* bytes, std::size_t count) {
         if (count > size_ - out_.size())
-            throw MalformedBytes("compressed data have more than the " +
-                                 std::to_string(size_) + " bytes that are told");
+            throw MalformedBytes("compressed data have more than the " + std::to_string(size_) +
+                                 " bytes that are told");
         out_.append(bytes, count);
     }
     std::string finish() {

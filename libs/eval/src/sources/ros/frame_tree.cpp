@@ -85,9 +85,8 @@ bool FrameTree::add(const RosTransform& transform, TransformTopic topic, std::ui
 
 bool FrameTree::has(const std::string& frame) const {
     if (links_.count(frame) > 0) return true;
-    return std::any_of(links_.begin(), links_.end(), [&](const auto& child) {
-        return child.second.count(frame) > 0;
-    });
+    return std::any_of(links_.begin(), links_.end(),
+                       [&](const auto& child) { return child.second.count(frame) > 0; });
 }
 
 std::vector<std::string> FrameTree::frames() const {

@@ -12,8 +12,9 @@ MessageCursor::MessageCursor(std::string_view bytes, Serialisation kind)
             "it is compressed by itself (compression mode 'message'), which is not read: "
             "'ros2 bag convert' the recording without");
     if (encapsulation[0] != 0 || (encapsulation[1] != 0 && encapsulation[1] != 1))
-        throw MalformedBytes("its encapsulation is neither plain CDR of little nor of big "
-                             "endian numbers");
+        throw MalformedBytes(
+            "its encapsulation is neither plain CDR of little nor of big "
+            "endian numbers");
     order_ = encapsulation[1] == 0 ? ByteOrder::big : ByteOrder::little;
 }
 

@@ -77,8 +77,7 @@ std::optional<RobotFrame> mountedOn(const std::string& frame, const RosContents&
                               "'): they do not tell where the sensor was. Use another topic "
                               "(--sensor)"
                         : "which has no transform to the robot's frame '" + robot +
-                              "' (frames with transforms: " +
-                              (known.empty() ? "none" : known) +
+                              "' (frames with transforms: " + (known.empty() ? "none" : known) +
                               "). Record /tf_static with them, use other topics (--sensor), "
                               "or give the poses of '" +
                               frame + "' itself (--poses FILE)"));
@@ -126,8 +125,7 @@ PoseStream streamOf(const FrameChain& chain, const PoseLimits& limits) {
 RobotFrame chooseRobotFrame(const RosContents& contents, const ScanSourceOptions& options,
                             const std::string& what) {
     std::vector<std::string> candidates = toldCandidates(contents);
-    const bool isOwn =
-        options.poses != PoseOrigin::file && options.poses != PoseOrigin::fixed;
+    const bool isOwn = options.poses != PoseOrigin::file && options.poses != PoseOrigin::fixed;
     if (candidates.empty() || !isOwn) candidates.push_back(topOfFixed(contents));
     for (const std::string& frame : candidates) {
         const auto robot = mountedOn(frame, contents);
@@ -152,9 +150,9 @@ RosPoses robotPoses(const RosContents& contents, const std::string& robotFrame,
               result.unusable);
     for (const FrameTree::Ancestor& a : frames.ancestors(robotFrame)) {
         if (a.chain.isFixed()) continue;
-        const bool isToldByTopic = std::any_of(
-            contents.odometry().begin(), contents.odometry().end(),
-            [&](const auto& topic) { return topic.second.frame == a.frame; });
+        const bool isToldByTopic =
+            std::any_of(contents.odometry().begin(), contents.odometry().end(),
+                        [&](const auto& topic) { return topic.second.frame == a.frame; });
         if (!a.isRoot && isToldByTopic) continue;
         PoseStream stream = streamOf(a.chain, limits);
         if (stream.empty()) continue;

@@ -58,9 +58,9 @@ class Fields {
     std::map<std::string_view, std::string_view> fields_;
 };
 
-class Ros1Bag final : public RosRecording {
+class Ros1Bag final : public RosFile {
  public:
-    explicit Ros1Bag(const std::string& path) : RosRecording(path), file_(path) {
+    explicit Ros1Bag(const std::string& path) : RosFile(path), file_(path) {
         const std::string magic = "#ROSBAG V2.0\n";
         const auto start = file_.read(std::min<std::uint64_t>(magic.size(), file_.size()));
         if (start != magic)
@@ -234,14 +234,14 @@ class Ros1Bag final : public RosRecording {
         requireIndexOfChunk();
         if (indexAt_ == 0) throw TruncatedInputError(path() + ": ends early" + mending());
         if (indexAt_ > file_.size())
-            throw TruncatedInputError(path() + ": ends early: its index is said to be at byte " +
-                                      std::to_string(indexAt_) + ", it has " +
-                                      std::to_string(file_.size()));
+            throw TruncatedInputError(
+                path() + ": ends early: its index is said to be at byte " +
+                std::to_string(indexAt_) + ", it has " + std::to_string(file_.size()));
         const auto require = [&](std::uint64_t told, std::uint64_t has, const char* what) {
             if (has < told)
                 throw TruncatedInputError(path() + ": ends early: it has " +
-                                          std::to_string(has) + " of " +
-                                          std::to_string(told) + what);
+                                          std::to_string(has) + " of " + std::to_string(told) +
+                                          what);
             if (has > told)
                 throw MalformedBytes("it has " + std::to_string(has) + what + ", " +
                                      std::to_string(told) + " are told");
@@ -256,8 +256,8 @@ class Ros1Bag final : public RosRecording {
     BoundedFile file_;
     std::uint64_t indexAt_ = 0, chunks_ = 0, chunkInfos_ = 0;
     std::uint32_t connectionsTold_ = 0, chunksTold_ = 0;
-    std::map<std::uint32_t, std::size_t> connections_;   // to topics
-    std::map<std::uint32_t, std::uint32_t> inIndex_;     // of the chunk, not yet confirmed
+    std::map<std::uint32_t, std::size_t> connections_;  // to topics
+    std::map<std::uint32_t, std::uint32_t> inIndex_;    // of the chunk, not yet confirmed
     std::string data_, chunk_;
     ByteCursor inChunk_{{}};
 };

@@ -71,9 +71,9 @@ void RosContents::add(const RosRecording& recording, const RosMessage& message) 
     const RosTopic& topic = recording.topics().at(message.topic);
     named(recording, topic, messages_, [&] {
         RosUse use = useOf(topic);
-        const bool isScan = use == RosUse::cloud || use == RosUse::laser ||
-                            (use == RosUse::image &&
-                             isDepthImage(cursorOf(topic, message.bytes)));
+        const bool isScan =
+            use == RosUse::cloud || use == RosUse::laser ||
+            (use == RosUse::image && isDepthImage(cursorOf(topic, message.bytes)));
         if (isScan)
             addScan(topic, message.topic, message.bytes);
         else if (use == RosUse::nothing || use == RosUse::image)
@@ -86,8 +86,8 @@ void RosContents::add(const RosRecording& recording, const RosMessage& message) 
 void RosContents::take(const RosTopic& topic, RosUse use, std::string_view bytes) {
     MessageCursor in = cursorOf(topic, bytes);
     if (use == RosUse::transforms || use == RosUse::fixedTransforms) {
-        const auto kind = use == RosUse::transforms ? TransformTopic::moving
-                                                    : TransformTopic::fixed;
+        const auto kind =
+            use == RosUse::transforms ? TransformTopic::moving : TransformTopic::fixed;
         for (const RosTransform& t : readTransforms(in))
             badPoses_ += !frames_.add(t, kind, messages_);
     } else if (use == RosUse::odometry) {
@@ -152,11 +152,11 @@ const RosCamera& RosContents::cameraOf(const std::string& imageTopic,
         throw MalformedBytes("there is no sensor_msgs/CameraInfo on '" + name +
                              "': record it with the images, or leave them out (--sensor)");
     const auto& known = found->second;
-    const auto after = std::upper_bound(
-        known.begin(), known.end(), order,
-        [](std::uint64_t o, const std::pair<std::uint64_t, RosCamera>& entry) {
-            return o < entry.first;
-        });
+    const auto after =
+        std::upper_bound(known.begin(), known.end(), order,
+                         [](std::uint64_t o, const std::pair<std::uint64_t, RosCamera>& entry) {
+                             return o < entry.first;
+                         });
     return after == known.begin() ? after->second : std::prev(after)->second;
 }
 
@@ -172,10 +172,10 @@ std::optional<RosScan> RosContents::readScan(const RosRecording& recording,
         if (use == RosUse::image && !isDepthImage(in)) return std::nullopt;
         const auto done = topic.name.find("rect") != std::string::npos ? Rectification::done
                                                                        : Rectification::none;
-        RosScan scan = use == RosUse::cloud   ? readPointCloud2(in)
-                       : use == RosUse::laser ? readLaserScan(in)
-                                              : readDepthImage(
-                                                    in, cameraOf(topic.name, order), done);
+        RosScan scan = use == RosUse::cloud ? readPointCloud2(in)
+                       : use == RosUse::laser
+                           ? readLaserScan(in)
+                           : readDepthImage(in, cameraOf(topic.name, order), done);
         scan.observation->sensorLabel = topic.name;
         return scan;
     });

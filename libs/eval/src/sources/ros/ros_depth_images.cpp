@@ -82,8 +82,8 @@ void addImage(const ImageShape& shape, const char* data, std::size_t step, ByteO
     for (std::uint32_t r = 0; r < shape.rows; ++r)
         for (std::uint32_t c = 0; c < shape.columns; ++c) {
             const auto* at = reinterpret_cast<const unsigned char*>(data + r * step + 2 * c);
-            const unsigned value = order == ByteOrder::big ? at[0] * 256u + at[1]
-                                                           : at[1] * 256u + at[0];
+            const unsigned value =
+                order == ByteOrder::big ? at[0] * 256u + at[1] : at[1] * 256u + at[0];
             scan.rangeImage(static_cast<int>(r), static_cast<int>(c)) =
                 static_cast<std::uint16_t>(value);
         }
@@ -113,8 +113,8 @@ RosCamera readCameraInfo(MessageCursor& in) {
     in.expectEnd();
     const bool isWhole = (region[2] == 0 || region[2] == camera.rows) &&
                          (region[3] == 0 || region[3] == camera.columns);
-    camera.isPartial = binning[0] > 1 || binning[1] > 1 || region[0] > 0 || region[1] > 0 ||
-                       !isWhole;
+    camera.isPartial =
+        binning[0] > 1 || binning[1] > 1 || region[0] > 0 || region[1] > 0 || !isWhole;
     return camera;
 }
 
@@ -137,11 +137,10 @@ RosScan readDepthImage(MessageCursor& in, const RosCamera& camera, Rectification
                              std::to_string(shape.rows) + " rows of " + std::to_string(step) +
                              " bytes with " + std::to_string(shape.columns) + " pixels each");
     if (shape.rows != camera.rows || shape.columns != camera.columns || camera.isPartial)
-        throw MalformedBytes("it has " + std::to_string(shape.columns) + " x " +
-                             std::to_string(shape.rows) + " pixels, its CameraInfo is of " +
-                             (camera.isPartial ? "a part of " : "") +
-                             std::to_string(camera.columns) + " x " +
-                             std::to_string(camera.rows));
+        throw MalformedBytes(
+            "it has " + std::to_string(shape.columns) + " x " + std::to_string(shape.rows) +
+            " pixels, its CameraInfo is of " + (camera.isPartial ? "a part of " : "") +
+            std::to_string(camera.columns) + " x " + std::to_string(camera.rows));
     auto scan = CObservation3DRangeScan::Create();
     scan->timestamp = header.time;
     scan->maxRange = 0;  // not known

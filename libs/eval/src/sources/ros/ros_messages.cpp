@@ -20,8 +20,8 @@ mrpt::Clock::time_point readStamp(MessageCursor& in) {
     if (nanoseconds >= 1'000'000'000)
         throw MalformedBytes("a stamp has " + std::to_string(nanoseconds) + " nanoseconds");
     if (seconds == 0 && nanoseconds == 0) return {};
-    return mrpt::Clock::time_point(mrpt::Clock::duration(
-        kEpoch + seconds * kTicks + nanoseconds / kNanosecondsPerTick));
+    return mrpt::Clock::time_point(
+        mrpt::Clock::duration(kEpoch + seconds * kTicks + nanoseconds / kNanosecondsPerTick));
 }
 
 /// Translation or position, then rotation or orientation.
@@ -43,8 +43,8 @@ std::optional<mrpt::poses::CPose3D> RosPose::asPose() const {
     if (!std::isfinite(sum) || !(std::abs(norm - 1) < 0.1)) return std::nullopt;
     const auto& v = values;
     return mrpt::poses::CPose3D(
-        mrpt::math::CQuaternionDouble(v[6] / norm, v[3] / norm, v[4] / norm, v[5] / norm),
-        v[0], v[1], v[2]);
+        mrpt::math::CQuaternionDouble(v[6] / norm, v[3] / norm, v[4] / norm, v[5] / norm), v[0],
+        v[1], v[2]);
 }
 
 std::string withoutSlash(std::string frame) {

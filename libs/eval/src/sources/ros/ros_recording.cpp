@@ -9,16 +9,16 @@
 
 namespace superray {
 
-std::optional<RosMessage> RosRecording::next() {
+std::optional<RosMessage> RosFile::next() {
     const auto after = [&] {
-        return ", after " + std::to_string(messages_) + " whole messages";
+        return ", after " + std::to_string(messages()) + " whole messages";
     };
     try {
         auto message = read();
         messages_ += message.has_value();
         return message;
     } catch (const MalformedBytes& e) {
-        throw InputError(path_ + ": is damaged: " + e.what() + after());
+        throw InputError(path() + ": is damaged: " + e.what() + after());
     } catch (const TruncatedInputError& e) {
         throw TruncatedInputError(e.what() + after());
     }

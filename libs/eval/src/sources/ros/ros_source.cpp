@@ -25,7 +25,7 @@ class RosSource final : public ScanSource {
             throwNoScans(path_, options_, contents_.skipped(), contents_.scanTopics());
         robot_ = chooseRobotFrame(contents_, options_, path_);
         givePoses();
-        recording_ = openRosRecording(path_);
+        recording_ = openRosRecording(path_, FileState::whole);
     }
 
     std::uint64_t total() const override { return total_; }
@@ -40,17 +40,19 @@ class RosSource final : public ScanSource {
     }
 
     std::optional<Scan> next() override {
-        while (delivered_ < total_ && recording_->messages() < contents_.messages()) {
+        while (recording_->messages() < contents_.messages()) {
             const auto message = recording_->next();
             if (!message) break;
+            if (!acceptsLabel(options_, recording_->topics().at(message->topic).name)) continue;
             auto scan = contents_.readScan(*recording_, *message, recording_->messages());
-            if (!scan || !hasWantedLabel(*scan->observation, options_, skipped_)) continue;
+            if (!scan) continue;
             auto& observation = *scan->observation;
             const Place place{observation.timestamp, recording_->messages(),
                               recording_->messages()};
             const PoseAnswer mount = mountAt(scan->frame, place);
             const PoseAnswer answer = mount.pose ? poses_->at(place) : mount;
             if (answer.pose) {
+                if (delivered_ == total_) return std::nullopt;
                 ++delivered_;
                 mrpt::poses::CPose3D T_frame_sensor;
                 observation.getSensorPose(T_frame_sensor);
@@ -93,6 +95,7 @@ class RosSource final : public ScanSource {
         }
         if (posed == 0) failWithoutPoses(recorded, found.unusable);
         total_ = std::min(posed, options_.maxScans);
+        skipped_.otherLabel = contents_.skipped().otherLabel;
         skipped_.badPoses = poses_->notFinite() + contents_.badPoses();
     }
 

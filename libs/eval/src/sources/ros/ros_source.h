@@ -10,8 +10,8 @@
 
 namespace superray {
 
-/// A ROS 1 bag. Sensors are labelled by their topics. See chooseRobotFrame() for the
-/// robot's frame, and robotPoses() for its poses. \throws InputError
+/// A recording that openRosRecording() reads. Sensors are labelled by their topics. See
+/// chooseRobotFrame() for the robot's frame, and robotPoses() for its poses. \throws InputError
 std::unique_ptr<ScanSource> openRos(const std::string& path, const ScanSourceOptions& options);
 
 }  // namespace superray
