@@ -94,8 +94,8 @@ class BagFolder final : public RosRecording {
         for (const std::string& file : told.files) {
             // Old releases wrote the folder's name, too.
             const fs::path beside = path / file, inFolder = path / fs::path(file).filename();
-            files_.push_back((fs::exists(beside) ? beside : inFolder).string());
-            if (!fs::exists(files_.back()))
+            files_.push_back((fs::is_regular_file(beside) ? beside : inFolder).string());
+            if (!fs::is_regular_file(files_.back()))  // nor the folder itself
                 throw InputError(where + ": lists '" + file + "', which is not there");
         }
     }

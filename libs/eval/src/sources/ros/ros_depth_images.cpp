@@ -67,6 +67,8 @@ void addPoints(const ImageShape& shape, const char* data, std::size_t step, Byte
             if (!std::isfinite(depth) || depth <= 0) continue;
             const double across = (static_cast<double>(c) - camera.cx()) / camera.fx();
             const double down = (static_cast<double>(r) - camera.cy()) / camera.fy();
+            scan.points3D_idxs_x.push_back(static_cast<std::uint16_t>(c));
+            scan.points3D_idxs_y.push_back(static_cast<std::uint16_t>(r));
             scan.points3D_x.push_back(depth);
             scan.points3D_y.push_back(static_cast<float>(-across * static_cast<double>(depth)));
             scan.points3D_z.push_back(static_cast<float>(-down * static_cast<double>(depth)));
