@@ -21,8 +21,8 @@ using namespace test;
 
 /// Whether bytes that changed can be seen.
 enum class Changes {
-    always,   ///< by check sums
-    sometimes ///< only where they break a rule
+    always,    ///< by check sums
+    sometimes  ///< only where they break a rule
 };
 
 struct Sample {
@@ -116,20 +116,19 @@ TEST_P(BrokenRos, randomBytes) {
     EXPECT_GT(refused, 25);
 }
 
-INSTANTIATE_TEST_SUITE_P(Samples, BrokenRos,
-                         testing::Values(Sample{"ros1/tf_none.bag", "", Changes::sometimes},
-                                         Sample{"ros1/tf_bz2.bag", "", Changes::sometimes},
-                                         Sample{"ros1/tf_lz4.bag", "", Changes::sometimes},
-                                         Sample{"ros2/little.db3", "", Changes::sometimes},
-                                         Sample{"ros2/big.db3", "", Changes::sometimes},
-                                         Sample{"ros2/plain.mcap", "", Changes::always},
-                                         Sample{"ros2/unchunked.mcap", "", Changes::always},
-                                         Sample{"ros2/lz4.mcap", "", Changes::always},
-                                         Sample{"ros2/zstd.mcap", "", Changes::always},
-                                         Sample{"ros2/split", "/split_1.db3",
-                                                Changes::sometimes},
-                                         Sample{"ros2/split", "/metadata.yaml",
-                                                Changes::sometimes}));
+INSTANTIATE_TEST_SUITE_P(
+    Samples, BrokenRos,
+    testing::Values(Sample{"ros1/tf_none.bag", "", Changes::sometimes},
+                    Sample{"ros1/tf_bz2.bag", "", Changes::sometimes},
+                    Sample{"ros1/tf_lz4.bag", "", Changes::sometimes},
+                    Sample{"ros2/little.db3", "", Changes::sometimes},
+                    Sample{"ros2/big.db3", "", Changes::sometimes},
+                    Sample{"ros2/plain.mcap", "", Changes::always},
+                    Sample{"ros2/unchunked.mcap", "", Changes::always},
+                    Sample{"ros2/lz4.mcap", "", Changes::always},
+                    Sample{"ros2/zstd.mcap", "", Changes::always},
+                    Sample{"ros2/split", "/split_1.db3", Changes::sometimes},
+                    Sample{"ros2/split", "/metadata.yaml", Changes::sometimes}));
 
 }  // namespace
 }  // namespace superray

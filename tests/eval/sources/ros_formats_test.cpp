@@ -26,7 +26,8 @@ TEST(RosFormats, bagsOfEveryCompressionGiveTheMapOfTheRawlog) {
         const auto built = build(sample(std::string("ros1/") + name + ".bag"));
         EXPECT_EQ(built.digest, expected) << name;
         EXPECT_EQ(built.scans, 3u);
-        EXPECT_EQ(built.poses, "robot poses 'tf map', 3, 0.0 to 1.0 s, of the frame 'base_link'");
+        EXPECT_EQ(built.poses,
+                  "robot poses 'tf map', 3, 0.0 to 1.0 s, of the frame 'base_link'");
     }
     // By their contents, too.
     TempFolder folder;
@@ -159,8 +160,9 @@ TEST(RosFormats, inspectShowsTopicsPosesAndWhatIsNotUsed) {
     EXPECT_EQ(info.sensors[1].label, "/points");
     EXPECT_EQ(info.sensors[1].count, 3u);
     EXPECT_EQ(info.sensors[1].points, 180u);
-    EXPECT_EQ(info.posesFound, "robot poses '/amcl_pose' (3), '/mocap' (3), 'tf map' (3); "
-                               "odometry '/wheels' (3)");
+    EXPECT_EQ(info.posesFound,
+              "robot poses '/amcl_pose' (3), '/mocap' (3), 'tf map' (3); "
+              "odometry '/wheels' (3)");
     ASSERT_EQ(info.unusedTopics.size(), 1u);
     EXPECT_EQ(info.unusedTopics[0].name, "/chatter");
     EXPECT_EQ(info.unusedTopics[0].count, 3u);

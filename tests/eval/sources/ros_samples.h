@@ -33,10 +33,9 @@ inline mrpt::obs::CObservation::Ptr rosLaser(int scan) {
     for (int i = 0; i < kRays; ++i) {
         const bool isNoReturn = i == 10 || i == 11, isUnknown = i > 11 && i < 15;
         const auto range = static_cast<float>(1 + ((i * 7 + scan * 3) % 32) / 8.0);
-        laser->setScanRange(static_cast<std::size_t>(i),
-                            isNoReturn  ? 8.0f
-                            : isUnknown ? 0.0f
-                                        : range);
+        laser->setScanRange(static_cast<std::size_t>(i), isNoReturn  ? 8.0f
+                                                         : isUnknown ? 0.0f
+                                                                     : range);
         laser->setScanRangeValidity(static_cast<std::size_t>(i), !isNoReturn);
     }
     return laser;

@@ -116,12 +116,13 @@ std::vector<FrameTree::Ancestor> FrameTree::ancestors(const std::string& frame) 
 
 std::optional<FramePath> FrameTree::path(const std::string& from, const std::string& to) const {
     const auto above = ancestors(from);
+    std::map<std::string, const Ancestor*> byName;
+    for (const Ancestor& a : above) byName[a.frame] = &a;
     for (Ancestor& common : ancestors(to)) {
         if (!common.chain.isFixed()) continue;
-        const auto meets = std::find_if(above.begin(), above.end(), [&](const Ancestor& a) {
-            return a.frame == common.frame;
-        });
-        if (meets != above.end()) return FramePath{meets->chain, std::move(common.chain)};
+        const auto meets = byName.find(common.frame);
+        if (meets != byName.end())
+            return FramePath{meets->second->chain, std::move(common.chain)};
     }
     return std::nullopt;
 }

@@ -68,9 +68,13 @@ std::optional<RobotFrame> mountedOn(const std::string& frame, const RosContents&
     const bool robotMovesInIt =
         std::any_of(above.begin(), above.end(),
                     [&](const FrameTree::Ancestor& a) { return a.frame == frame; });
+    constexpr std::size_t kListed = 20;
     std::string known;
-    for (const std::string& name : contents.frames().frames())
-        known += (known.empty() ? "'" : ", '") + name + "'";
+    auto names = contents.frames().frames();
+    const bool areMore = names.size() > kListed;
+    if (areMore) names.resize(kListed);
+    for (const std::string& name : names) known += (known.empty() ? "'" : ", '") + name + "'";
+    if (areMore) known += ", and others";
     throw InputError(
         what + ": the scans of '" + topic + "' are in the frame '" + frame + "', " +
         (robotMovesInIt ? "in which the robot moves ('" + robot +

@@ -25,9 +25,7 @@ ImageShape readShape(MessageCursor& in) {
     return shape;
 }
 
-bool isMillimetres(const std::string& encoding) {
-    return encoding == "16UC1" || encoding == "mono16";
-}
+constexpr const char *kMillimetres = "16UC1", *kMetres = "32FC1";
 
 void setCamera(const RosCamera& camera, Rectification done, CObservation3DRangeScan& scan) {
     auto& to = scan.cameraParams;
@@ -123,7 +121,7 @@ RosCamera readCameraInfo(MessageCursor& in) {
 bool isDepthImage(MessageCursor in) {
     readHeader(in);
     const std::string encoding = readShape(in).encoding;
-    return isMillimetres(encoding) || encoding == "32FC1";
+    return encoding == kMillimetres || encoding == kMetres;
 }
 
 RosScan readDepthImage(MessageCursor& in, const RosCamera& camera, Rectification done) {
@@ -133,7 +131,7 @@ RosScan readDepthImage(MessageCursor& in, const RosCamera& camera, Rectification
     const std::size_t step = in.number<std::uint32_t>();
     const auto data = in.bytes();
     in.expectEnd();
-    const std::size_t pixel = isMillimetres(shape.encoding) ? 2 : 4;
+    const std::size_t pixel = shape.encoding == kMillimetres ? 2 : 4;
     if (step < shape.columns * pixel || data.size() != step * shape.rows || data.empty())
         throw MalformedBytes("its " + std::to_string(data.size()) + " bytes are not " +
                              std::to_string(shape.rows) + " rows of " + std::to_string(step) +

@@ -3,8 +3,6 @@
 
 #include <superray/eval/input_error.h>
 
-#include <algorithm>
-
 #include "sources/ros/byte_cursor.h"
 
 namespace superray {
@@ -30,10 +28,9 @@ std::size_t RosRecording::topicNumber(std::string name, std::string type,
     const auto at = type.find(middle);
     if (at != std::string::npos) type.replace(at, middle.size(), "/");
     const RosTopic topic{std::move(name), std::move(type), std::move(encoding)};
-    const auto found = std::find(topics_.begin(), topics_.end(), topic);
-    if (found != topics_.end()) return static_cast<std::size_t>(found - topics_.begin());
-    topics_.push_back(topic);
-    return topics_.size() - 1;
+    const auto [known, isNew] = numbers_.emplace(topic, topics_.size());
+    if (isNew) topics_.push_back(topic);
+    return known->second;
 }
 
 }  // namespace superray

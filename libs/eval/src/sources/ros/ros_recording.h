@@ -4,10 +4,12 @@
 /// Files of ROS messages, whatever they are packed in.
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "sources/object_reader.h"
@@ -19,8 +21,8 @@ struct RosTopic {
     std::string type;      ///< e.g. "sensor_msgs/LaserScan", of ROS 1 and 2
     std::string encoding;  ///< "ros1" or "cdr"; others cannot be decoded
 
-    bool operator==(const RosTopic& o) const {
-        return name == o.name && type == o.type && encoding == o.encoding;
+    bool operator<(const RosTopic& o) const {
+        return std::tie(name, type, encoding) < std::tie(o.name, o.type, o.encoding);
     }
 };
 
@@ -57,6 +59,7 @@ class RosRecording {
  private:
     std::string path_;
     std::vector<RosTopic> topics_;
+    std::map<RosTopic, std::size_t> numbers_;
 };
 
 /// A recording of one file.

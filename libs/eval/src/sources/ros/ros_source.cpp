@@ -21,8 +21,7 @@ class RosSource final : public ScanSource {
     RosSource(const std::string& path, const ScanSourceOptions& options)
         : path_(path), options_(options), contents_(options) {
         readContents();
-        if (contents_.scans().empty())
-            throwNoScans(path_, options_, contents_.skipped(), contents_.scanTopics());
+        if (contents_.scans().empty()) failWithoutScans();
         robot_ = chooseRobotFrame(contents_, options_, path_);
         givePoses();
         recording_ = openRosRecording(path_, FileState::whole);
@@ -97,6 +96,21 @@ class RosSource final : public ScanSource {
         total_ = std::min(posed, options_.maxScans);
         skipped_.otherLabel = contents_.skipped().otherLabel;
         skipped_.badPoses = poses_->notFinite() + contents_.badPoses();
+    }
+
+    [[noreturn]] void failWithoutScans() const {
+        if (contents_.skipped().otherLabel > 0)
+            throwNoScans(path_, options_, contents_.skipped(), contents_.scanTopics());
+        constexpr std::size_t kListed = 20;
+        std::string topics;
+        auto unused = contents_.unusedTopics();
+        if (unused.size() > kListed) unused.resize(kListed);
+        for (const UnusedTopic& t : unused)
+            topics += (topics.empty() ? "'" : ", '") + t.name + "' (" + t.type + ")";
+        throw InputError(path_ +
+                         ": holds no scans (sensor_msgs/PointCloud2, LaserScan, or Image of "
+                         "encoding 16UC1 or 32FC1)" +
+                         (topics.empty() ? "" : "; it has " + topics));
     }
 
     [[noreturn]] void failWithoutPoses(const RecordedPoses& recorded,
