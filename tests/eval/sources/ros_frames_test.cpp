@@ -19,6 +19,8 @@ namespace {
 using namespace test;
 using mrpt::poses::CPose3D;
 
+constexpr double kStart = 1000;  // [s]
+
 /// Bytes of ROS 1 messages.
 class Bytes {
  public:
@@ -33,10 +35,11 @@ class Bytes {
         bytes_ += text;
         return *this;
     }
+    /// \param seconds after kStart: a stamp of 0 means that none is known
     Bytes& header(double seconds, const std::string& frame) {
-        const double whole = std::floor(seconds);
+        const double whole = std::floor(kStart + seconds);
         add(std::uint32_t{0}).add(static_cast<std::uint32_t>(whole));
-        return add(static_cast<std::uint32_t>((seconds - whole) * 1e9)).add(frame);
+        return add(static_cast<std::uint32_t>((kStart + seconds - whole) * 1e9)).add(frame);
     }
     Bytes& pose(double x, double yaw) {
         for (const double v : {x, 0.0, 0.0, 0.0, 0.0, std::sin(yaw / 2), std::cos(yaw / 2)})
@@ -109,7 +112,10 @@ CPose3D ahead(double x, double yaw = 0) {
 }
 
 CPose3D mountOf(const Recording& recording, const std::string& frame, double seconds) {
-    return recording.robot().mounts.at(frame).at(at(seconds), Recording::limits()).pose.value();
+    return recording.robot()
+        .mounts.at(frame)
+        .at(at(kStart + seconds), Recording::limits())
+        .pose.value();
 }
 
 TEST(RosFrames, sensorsAreWhereAChainOfTransformsSays) {
@@ -138,7 +144,7 @@ TEST(RosFrames, aSensorThatMovesOnTheRobotIsFollowed) {
     expectPoseNear(mountOf(r, "scanner", 0.5), ahead(1, 0.25));
     // Not where nothing is known, nor over a gap.
     r.tf(9, "base_link", "scanner", 1, 0.5);
-    const auto answer = r.robot().mounts.at("scanner").at(at(5), Recording::limits());
+    const auto answer = r.robot().mounts.at("scanner").at(at(kStart + 5), Recording::limits());
     EXPECT_EQ(answer.result, PoseAnswer::Result::inGap);
 }
 

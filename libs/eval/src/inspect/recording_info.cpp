@@ -87,7 +87,8 @@ void surveyRos(const std::string& path, const ScanSourceOptions& asked, Recordin
     } catch (const InputError& e) {
         info.damage = e.what();
     }
-    info.unusedTopics = contents.unusedTopics();
+    for (const RosTopicCount& t : contents.unusedTopics())
+        info.unusedTopics.push_back({t.name, t.type, t.messages});
     if (contents.scans().empty()) return;
     RobotFrame robot;
     try {

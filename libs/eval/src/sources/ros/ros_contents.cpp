@@ -137,8 +137,8 @@ std::string RosContents::scanTopics() const {
     return text;
 }
 
-std::vector<UnusedTopic> RosContents::unusedTopics() const {
-    std::vector<UnusedTopic> all;
+std::vector<RosTopicCount> RosContents::unusedTopics() const {
+    std::vector<RosTopicCount> all;
     for (const auto& [name, count] : unused_) all.push_back({name.first, name.second, count});
     return all;
 }

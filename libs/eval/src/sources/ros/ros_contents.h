@@ -3,7 +3,6 @@
 /// \file ros_contents.h
 /// What a first pass over a ROS recording learns, and how its scans are read.
 
-#include <superray/eval/recording_info.h>
 #include <superray/eval/scan_source.h>
 
 #include <map>
@@ -35,6 +34,12 @@ enum class RosUse : std::uint8_t {
 
 /// By type and name: PoseStamped topics with "goal" in their name are no poses of a robot.
 RosUse useOf(const RosTopic& topic);
+
+/// How many messages a topic has.
+struct RosTopicCount {
+    std::string name, type;
+    std::uint64_t messages = 0;
+};
 
 /// Poses that one topic tells.
 struct TopicPoses {
@@ -71,7 +76,7 @@ class RosContents {
     /// Transforms and poses that were dropped.
     std::uint64_t badPoses() const { return badPoses_; }
     /// Topics that are of no use here.
-    std::vector<UnusedTopic> unusedTopics() const;
+    std::vector<RosTopicCount> unusedTopics() const;
 
     /// The message as a scan, its label that of the topic; nullopt if it is none.
     /// \param order number of the message \throws InputError, naming topic and message

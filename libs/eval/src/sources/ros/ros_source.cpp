@@ -105,7 +105,7 @@ class RosSource final : public ScanSource {
         std::string topics;
         auto unused = contents_.unusedTopics();
         if (unused.size() > kListed) unused.resize(kListed);
-        for (const UnusedTopic& t : unused)
+        for (const RosTopicCount& t : unused)
             topics += (topics.empty() ? "'" : ", '") + t.name + "' (" + t.type + ")";
         throw InputError(path_ +
                          ": holds no scans (sensor_msgs/PointCloud2, LaserScan, or Image of "
