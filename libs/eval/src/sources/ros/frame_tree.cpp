@@ -19,6 +19,7 @@ void FrameLink::add(const TransformSample& sample, TransformTopic topic, double 
         fixed_ = sample.pose;
         return;
     }
+    track_.reset();
     changes_ = changes_ || (!moving_.empty() && !(moving_.back().pose == sample.pose));
     if (moving_.size() >= 2) {
         const TransformSample& before = moving_[moving_.size() - 2];
