@@ -205,8 +205,8 @@ TEST(Cli, inspectTellsWhatThereIsAndWhatBuildWouldDo) {
     folder.write("cut.rawlog", whole.substr(0, whole.size() * 3 / 4));
     expectPart(runOk(folder, "inspect '" + (folder / "cut.rawlog") + "'"), "damage      ");
     expectError(folder, "inspect '" + (folder / "absent.rawlog") + "'", "no such file");
-    expectError(folder, "inspect '" + folder.write("a.bag", "#ROSBAG V2.0") + "'",
-                "rosbag2rawlog");
+    expectError(folder, "inspect '" + folder.write("a.clf", "FLASER 180") + "'",
+                "carmen2rawlog");
     expectError(
         folder,
         "build '" + (folder / "a.rawlog") + "' --sensor X -o '" + (folder / "a.srmap") + "'",

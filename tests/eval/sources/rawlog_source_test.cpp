@@ -273,7 +273,7 @@ TEST(RawlogSource, refusesWhatIsNoRawlog) {
         errorOf(folder.write("text.rawlog", "Hello, I am a text.\n")).find("not a rawlog"),
         std::string::npos);
     EXPECT_NE(errorOf(folder / "absent.rawlog").find("no such file"), std::string::npos);
-    EXPECT_NE(errorOf(folder.write("a.bag", "")).find("unknown input"), std::string::npos);
+    EXPECT_NE(errorOf(folder.write("a.xyz", "")).find("unknown input"), std::string::npos);
 }
 
 TEST(RawlogSource, findsExternallyStoredCloudsBesideTheRawlog) {
