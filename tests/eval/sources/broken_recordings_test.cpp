@@ -16,16 +16,15 @@
 #include <superray/eval/input_error.h>
 #include <superray/eval/scan_source.h>
 #include <superray/maps/CSuperRayGridMap3D.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 
 #include <array>
-#include <csignal>
 #include <cstdlib>
 #include <cstring>
 
 #include "eval/insert_scans.h"
 #include "eval/recorded_scans.h"
+#include "eval/sources/broken_bytes.h"
+#include "eval/sources/limited_process.h"
 #include "eval/temp_folder.h"
 #include "gzip_bytes.h"
 
@@ -148,68 +147,24 @@ void mapRecording(const std::string& path) {
 
 enum class Outcome { mapped, refused, crashed };
 
-/// Maps a recording in a process of its own, with less than a gigabyte and 10 s.
+/// Maps a recording in a process of its own.
 Outcome outcomeOf(const std::string& path, std::string& how) {
-    const pid_t child = ::fork();
-    if (child == 0) {
-        constexpr rlim_t kSeconds = 10;
-        const struct rlimit most = {kSeconds, kSeconds};
-        ::setrlimit(RLIMIT_CPU, &most);
-        try {
-            mapRecording(path);
-        } catch (const InputError&) {
-            ::_exit(1);
-        } catch (const std::exception& e) {
-            std::fprintf(stderr, "%s\n", e.what());
-            ::_exit(3);
-        }
-        ::_exit(0);
-    }
-    int status = 0;
-    struct rusage usage {};
-    EXPECT_EQ(::wait4(child, &status, 0, &usage), child);
-    constexpr long kGigabyteInKilobytes = 1 << 20;
-    how.clear();
-    if (usage.ru_maxrss > kGigabyteInKilobytes)
-        how = std::to_string(usage.ru_maxrss) + " kB";
-    else if (WIFSIGNALED(status))
-        how = ::strsignal(WTERMSIG(status));
-    else if (WEXITSTATUS(status) > 1)
-        how = "exit code " + std::to_string(WEXITSTATUS(status));
-    if (!how.empty()) return Outcome::crashed;
-    return WEXITSTATUS(status) == 0 ? Outcome::mapped : Outcome::refused;
-}
-
-/// Cuts, flips, wild bytes and numbers, repeated and exchanged parts.
-std::string mutated(std::string bytes, std::mt19937& random) {
-    const auto changes = 1 + random() % 3;
-    for (auto n = changes; n > 0 && bytes.size() > 8; --n) {
-        const std::size_t at = random() % (bytes.size() - 8);
-        switch (random() % 7) {
-            case 0:
-                bytes.resize(at);
-                break;
-            case 1:
-            case 2:
-                bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8));
-                break;
-            case 3:
-                bytes[at] = static_cast<char>(random());
-                break;
-            case 4: {  // a wild count
-                const std::uint32_t wild[] = {0xFFFFFFFFu, 0x7FFFFFFFu, 0x10000000u,
-                                              1u << random() % 32, 0};
-                std::memcpy(&bytes[at], &wild[random() % 5], 4);
-                break;
+    const int code = runLimited(
+        [&] {
+            try {
+                mapRecording(path);
+            } catch (const InputError&) {
+                return 1;
+            } catch (const std::exception& e) {
+                std::fprintf(stderr, "%s\n", e.what());
+                return 3;
             }
-            case 5:
-                bytes.insert(at, bytes.substr(random() % bytes.size(), random() % 64));
-                break;
-            default:
-                bytes.erase(at, 1 + random() % 16);
-        }
-    }
-    return bytes;
+            return 0;
+        },
+        how);
+    if (how.empty() && code > 1) how = "exit code " + std::to_string(code);
+    if (!how.empty()) return Outcome::crashed;
+    return code == 0 ? Outcome::mapped : Outcome::refused;
 }
 
 TEST(BrokenRecordings, SamplesAreWhole) {
@@ -246,10 +201,7 @@ TEST(BrokenRecordings, MutatedOnesDoNoHarm) {
         const auto file = folder.write(name, bytes);
         const Outcome outcome = outcomeOf(file, how);
         if (outcome == Outcome::crashed) {
-            const std::string kept = "/tmp/superray-broken-" + std::to_string(i) + name;
-            std::filesystem::copy_file(file, kept,
-                                       std::filesystem::copy_options::overwrite_existing);
-            ADD_FAILURE() << how << ": " << kept;
+            ADD_FAILURE() << how << ": " << keepBroken(std::to_string(i) + name, bytes);
         }
         mapped += outcome == Outcome::mapped;
         refused += outcome == Outcome::refused;
