@@ -3,6 +3,7 @@
 // Bytes of a file, broken at random.
 
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -41,6 +42,20 @@ inline std::string mutated(std::string bytes, std::mt19937& random) {
         }
     }
     return bytes;
+}
+
+/// How many files to break, and with which seed. By hand, more of them:
+/// SUPERRAY_TEST_MUTATIONS and SUPERRAY_TEST_SEED.
+struct Mutations {
+    int count = 0;
+    unsigned seed = 0;
+};
+inline Mutations orOfEnvironment(Mutations mutations) {
+    if (const char* count = std::getenv("SUPERRAY_TEST_MUTATIONS"))
+        mutations.count = std::atoi(count);
+    if (const char* seed = std::getenv("SUPERRAY_TEST_SEED"))
+        mutations.seed = static_cast<unsigned>(std::atoi(seed));
+    return mutations;
 }
 
 /// Keeps a file that a test fails with. \return its path

@@ -128,6 +128,7 @@ TEST(Formats, unknownInputsAreNamedWithTheWayOut) {
                           {"run.log", "FLASER 180 ...", "carmen2rawlog"},
                           {"run.clf", "FLASER 180 ...", "carmen2rawlog"},
                           {"a.zip", "PK", "unpack it first"},
+                          {"scan.dat.bz2", "BZh9", "unpack it first"},
                           {"a.bt", "# Octomap OcTree binary file", "a map, not a recording"},
                           {"a.tum", "1 2 3", "give them with --poses"},
                           {"cloud", "# .PCD v0.7\n", "name it .pcd"},

@@ -88,7 +88,7 @@ struct Hint {
     const char *extension, *advice;
 };
 
-constexpr std::array<Hint, 16> kHints{{
+constexpr std::array<Hint, 18> kHints{{
     {".bag", "a ROS 1 bag: convert it with MRPT's rosbag2rawlog"},
     {".db3", "a ROS 2 bag: convert it with mola_input_rosbag2, or play it and record a rawlog"},
     {".mcap",
@@ -101,6 +101,8 @@ constexpr std::array<Hint, 16> kHints{{
     {".tar", "an archive: unpack it first"},
     {".tgz", "an archive: unpack it first"},
     {".7z", "an archive: unpack it first"},
+    {".bz2", "an archive: unpack it first"},
+    {".xz", "an archive: unpack it first"},
     {".bt", "a map, not a recording: see superray-map info, export and compare"},
     {".ot", "a map, not a recording: see superray-map info, export and compare"},
     {".srmap", "a map, not a recording: see superray-map info, export and compare"},
