@@ -90,6 +90,21 @@ int outcomeOf(const BreakableCopy& copy, const std::string& bytes, const Built& 
     }
 }
 
+struct BrokenFile {
+    bool isCut = false;
+    std::string bytes;
+};
+
+/// What is wrong with what became of a broken file; empty if nothing is.
+std::string harmOf(const LimitedRun& run, const BrokenFile& file, const BreakableCopy& copy) {
+    if (!run.harm.empty()) return run.harm;
+    if (run.result == kOtherError) return "an unexpected error";
+    if (file.isCut && run.result == kOtherMap && !copy.mayLookWhole(file.bytes.size()))
+        return "another map of as many scans, from " + std::to_string(file.bytes.size()) +
+               " bytes";
+    return {};
+}
+
 // Half of them are cut, half are changed; with limits of time and memory.
 TEST(ManyBrokenFormats, DoNoHarm) {
     const auto [count, seed] = orOfEnvironment({500, 19});
@@ -101,22 +116,27 @@ TEST(ManyBrokenFormats, DoNoHarm) {
     }
     std::mt19937 random(seed);
     std::array<int, 5> outcomes{};
-    for (int i = 0; i < count; ++i) {
-        const std::size_t n = static_cast<std::size_t>(i) % samples.size();
-        const BreakableCopy& copy = samples[n];
-        const bool isCut = random() % 2 == 0;
-        const std::string bytes = isCut ? copy.whole().substr(0, random() % copy.whole().size())
-                                        : mutated(copy.whole(), random);
-        std::string harm;
-        const int outcome = runLimited([&] { return outcomeOf(copy, bytes, whole[n]); }, harm);
-        if (harm.empty() && outcome == kOtherError) harm = "an unexpected error";
-        if (harm.empty() && isCut && outcome == kOtherMap && !copy.mayLookWhole(bytes.size()))
-            harm =
-                "another map of as many scans, from " + std::to_string(bytes.size()) + " bytes";
-        if (!harm.empty())
-            ADD_FAILURE() << harm << ": " << testing::PrintToString(breakables()[n])
-                          << ", kept in " << keepBroken("format-" + std::to_string(i), bytes);
-        if (outcome >= 0) ++outcomes.at(static_cast<std::size_t>(outcome));
+    for (int done = 0; done < count;) {
+        std::vector<BrokenFile> files(samples.size());
+        for (std::size_t n = 0; n < files.size(); ++n) {
+            const std::string& bytes = samples[n].whole();
+            files[n] = {random() % 2 == 0, {}};
+            files[n].bytes = files[n].isCut ? bytes.substr(0, random() % bytes.size())
+                                            : mutated(bytes, random);
+        }
+        const auto runs = runLimited(files.size(), [&](std::size_t n) {
+            return outcomeOf(samples[n], files[n].bytes, whole[n]);
+        });
+        for (std::size_t n = 0; n < files.size(); ++n, ++done) {
+            const std::string harm = harmOf(runs[n], files[n], samples[n]);
+            if (!harm.empty())
+                ADD_FAILURE() << harm << ": " << testing::PrintToString(breakables()[n])
+                              << ", kept in "
+                              << keepBroken("format-" + std::to_string(seed) + "-" +
+                                                std::to_string(done),
+                                            files[n].bytes);
+            if (runs[n].result >= 0) ++outcomes.at(static_cast<std::size_t>(runs[n].result));
+        }
     }
     EXPECT_GT(outcomes[kRefused], count / 3);
     EXPECT_GT(outcomes[kAsWhole] + outcomes[kOtherMap], count / 50);

@@ -162,6 +162,7 @@ TEST_F(VelodyneCapture, wrongChecksumsOfAllPacketsAreLeftToTheAdapter) {
 TEST_F(VelodyneCapture, thatEndEarlyAreRefusedOrUsedAsAsked) {
     const std::string cut = plain().substr(0, kFileHeader + 9 * kRecord + 700);
     expectPart(errorOf(cut), "packet 10, at byte ");
+    expectPart(errorOf(cut), "--accept-truncated");
     ScanSourceOptions options;
     options.truncation = Truncation::accept;
     EXPECT_EQ(built(cut, options).scans, 3u);

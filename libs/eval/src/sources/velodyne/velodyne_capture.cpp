@@ -113,8 +113,12 @@ class Capture {
             while (const auto datagram = file.next())
                 if (isVelodynePacket(*datagram)) add(*datagram);
         } catch (const TruncatedInputError& e) {
-            if (options.truncation == Truncation::error) throw;
             warning_ = e.what();
+            if (options.truncation == Truncation::error && sensors_.empty()) throw;
+            if (options.truncation == Truncation::error)
+                throw InputError(
+                    warning_ +
+                    "; packets before it are whole (--accept-truncated takes those)");
         }
         choose(options);
     }
