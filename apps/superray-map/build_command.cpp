@@ -16,8 +16,9 @@ namespace {
 
 constexpr char kExamples[] =
     R"(Inputs: .rawlog (observations, or action/observation pairs), .simplemap,
-OctoMap's .graph, and folders of the KITTI odometry benchmark. Several inputs
-make one map. Poses come from the input unless --poses or --fixed-robot is given.
+OctoMap's .graph, .pcd, .ply and .las (one or a folder), .pcap (Velodyne), folders
+of KITTI (odometry, raw), MulRan, TUM RGB-D and ICL-NUIM. Several inputs make one
+map. Poses come from the input unless --poses or --fixed-robot is given.
 
 Examples:
   superray-map build room.rawlog -o room.srmap --resolution 0.05

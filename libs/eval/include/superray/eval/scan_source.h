@@ -119,8 +119,11 @@ class ScanSource {
 ///  - `.simplemap`, `.simplemap.gz`: mean pose of each keyframe.
 ///  - `.graph`: OctoMap's ScanGraph; becomes CObservationPointCloud at the
 ///    node's pose.
-///  - `.pcd`, `.ply`, or a folder of them: a scan each, in the order of their names; names
-///    that are times (seconds, or digits of micro- or nanoseconds) are the scans' times.
+///  - `.pcap`: a network capture of a Velodyne (VLP-16, HDL-32E), a scan a revolution, with
+///    the time of capture; with a poses file, or fixed. Label `VELODYNE`, or, of several
+///    sensors, `VELODYNE_<address>_<port>`, of which one must be chosen.
+///  - `.pcd`, `.ply`, `.las`, or a folder of them: a scan each, in the order of their names.
+///    Names that are times (seconds, or digits of micro- or nanoseconds) are the scans' times.
 ///    Poses are PCD's viewpoints, or a poses file.
 ///  - a folder of the KITTI odometry benchmark: `velodyne/*.bin`, `calib.txt`
 ///    (row `Tr`), `poses.txt` or `poses/NN.txt` here or two levels up (NN: the
