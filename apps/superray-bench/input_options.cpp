@@ -30,8 +30,8 @@ const char* const kDataHelp =
   indoor    corridor with rooms, 66 scans of 89,446 points
   outdoor   campus, 81 scans of 247,817 points, ranges to 80 m
   walker    hall with a walker and a box that is taken away, 60 scans of 131,072 points
-  a file    .rawlog, .simplemap, .graph, .pcd, .ply, .las, .pcap, or a folder (KITTI,
-            RGB-D, clouds);
+  a file    .rawlog, .simplemap, .graph, .bag, .db3, .mcap, .pcd, .ply, .las, .pcap, or
+            a folder (ROS 2, KITTI, RGB-D, clouds);
             'superray-map inspect' tells what is in it
 )";
 
