@@ -217,6 +217,29 @@ std::size_t BlockGrid<Dim>::memoryBytes() const {
 }
 
 template <int Dim>
+void BlockGrid<Dim>::forgetOutside(const BlockWindow<Dim>& window,
+                                   const typename OccupancyMap<Dim>::KeyVisitor& forgotten) {
+    impl_->forgetOutside(window, forgotten);
+}
+
+template <int Dim>
+std::size_t BlockGrid<Dim>::heldBytes() const {
+    return memoryBytes();
+}
+
+template <int Dim>
+std::size_t BlockGrid<Dim>::heldBytesAtMost(std::size_t blocks, unsigned) const {
+    return sizeof(Impl) +
+           impl_->memoryBytesAtMost({blocks, blocks, blocks * Payload<Dim>::kLayers, blocks});
+}
+
+template <int Dim>
+std::size_t BlockGrid<Dim>::heldBytesWith(
+    const typename OccupancyMap<Dim>::WrittenBlocks& written) const {
+    return sizeof(Impl) + impl_->memoryBytesAtMost(impl_->growthBy(written));
+}
+
+template <int Dim>
 BlockSaturation<Dim> BlockGrid<Dim>::saturation(const BlockKey<Dim>& key,
                                                 float lowerClamp) const {
     BlockSaturation<Dim> result;

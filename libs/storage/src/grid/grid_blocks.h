@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -258,6 +259,74 @@ struct Blocks {
         for (const std::uint32_t layer : p.layers) layers.release(layer);
         payloads.release(block.payload);
         block.payload = kUniform;
+    }
+
+    /// Makes all cells of a block unknown. \pre it is not absent
+    void forget(Block& block) {
+        if (block.payload != kUniform) {
+            const Payload<Dim>& p = payloads[block.payload];
+            layers.keepRoomToRelease(p.layers.size());
+            payloads.keepRoomToRelease(1);  // nothing fails from here on
+            for (const std::uint32_t layer : p.layers)
+                if (layer != kNoLayer) layers.release(layer);
+            payloads.release(block.payload);
+        }
+        block = {};
+        --count;
+    }
+
+    void forgetOutside(const BlockWindow<Dim>& window,
+                       const typename OccupancyMap<Dim>::KeyVisitor& forgotten) {
+        using Overlap = typename BlockWindow<Dim>::Overlap;
+        std::vector<std::uint64_t> pages;
+        table.forEachPage(
+            [&](const BlockKey<Dim>& lowest, const BlockKey<Dim>& highest, std::uint64_t page) {
+                if (window.overlap(lowest, highest) != Overlap::whole) pages.push_back(page);
+            });
+        for (const std::uint64_t page : pages) {
+            bool empty = true;
+            table.forEachPlace(page, [&](const BlockKey<Dim>& key, Place place) {
+                if (table[place].payload == kAbsent) return;
+                if (window.holds(key)) {
+                    empty = false;
+                } else {
+                    forget(table[place]);
+                    forgotten(key);
+                }
+            });
+            if (empty) table.removePage(page);
+        }
+    }
+
+    /// What blocks to come may take.
+    struct Growth {
+        std::size_t pages = 0, payloads = 0, layers = 0;
+        std::size_t blocks = 0;  ///< those written: each may become uniform
+    };
+    Growth growthBy(const typename OccupancyMap<Dim>::WrittenBlocks& written) const {
+        Growth growth;
+        std::unordered_set<BlockKey<Dim>, IndexHash> pages;
+        written([&](const BlockView<Dim>& view) {
+            ++growth.blocks;
+            const Place place = table.find(view.key);
+            if (place == Table::kNowhere && pages.insert(Table::pageKey(view.key)).second)
+                ++growth.pages;
+            const Block* const block = at(place);
+            const bool hasPayload = block != nullptr && block->payload != kUniform;
+            if (!hasPayload) ++growth.payloads;
+            for (std::size_t z = 0; z < Payload<Dim>::kLayers; ++z) {
+                const bool hasLayer =
+                    hasPayload && payloads[block->payload].layers[z] != kNoLayer;
+                const bool wanted = block != nullptr && !hasPayload;  // split for all cells
+                if (!hasLayer && (wanted || view.known.words[z] != 0)) ++growth.layers;
+            }
+        });
+        return growth;
+    }
+    std::size_t memoryBytesAtMost(const Growth& g) const {
+        return table.memoryBytesAtMost(g.pages) +
+               payloads.memoryBytesAtMost(g.payloads, g.blocks) +
+               layers.memoryBytesAtMost(g.layers, g.blocks * Payload<Dim>::kLayers);
     }
 
     void rebuildSaturation(float lowerClamp) {
