@@ -69,6 +69,10 @@ void CSuperRayPointsMap<Dim>::readFrom(mrpt::serialization::CArchive& in,
                                  std::to_string(kSerialVersion));
     CSuperRayPointsMap read(1.0);
     GridMap grid;
+    // Within the bound of this map.
+    TMapOptions bounded = grid.options();
+    bounded.creation.max_memory_megabytes = occupancy_->options().creation.max_memory_megabytes;
+    grid.setOptions(bounded);
     in >> grid;
     read.occupancy_->takeFrom(grid);
     read.genericMapParams = grid.genericMapParams;
