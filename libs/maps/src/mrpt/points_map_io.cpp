@@ -77,6 +77,7 @@ void CSuperRayPointsMap<Dim>::readFrom(mrpt::serialization::CArchive& in,
     read.occupancy_->takeFrom(grid);
     read.genericMapParams = grid.genericMapParams;
     read.followAllBlocks();
+    read.occupancy_->requireBound();
     std::uint64_t count = 0;
     in >> count;
     if (count != read.sources_.size())

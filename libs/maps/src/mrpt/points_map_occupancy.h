@@ -13,6 +13,11 @@ class CSuperRayPointsMap<Dim>::Occupancy final : public GridMap {
     Occupancy(CSuperRayPointsMap& points, double resolution)
         : GridMap(resolution), points_(points) {}
     void takeFrom(const GridMap& other) { GridMap::operator=(other); }
+    /// \throws MemoryLimitError if cells and points are beyond the bound
+    void requireBound() const {
+        this->requireWithin(this->options().creation.max_memory_megabytes, this->heldBytes(),
+                            "the map to be loaded");
+    }
 
  private:
     using typename GridMap::BlockKeys;

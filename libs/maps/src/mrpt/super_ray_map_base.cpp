@@ -144,6 +144,8 @@ void CSuperRayMapBase<Dim>::setOptions(const TMapOptions& o) {
     if (o.creation.load_from.empty()) {
         if (!isEmpty())
             requireWithin(o.creation.max_memory_megabytes, heldBytes(), "this map as it is");
+        else if (o.creation.max_memory_megabytes != 0 && reserving)
+            storage_ = makeEmptyStorage(resolution());  // without the reserve of before
         reserving |= changeResolution(o.creation.resolution);
     } else {
         loadWithin(o.creation.load_from, o.creation.max_memory_megabytes);

@@ -108,15 +108,20 @@ typename CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(
     const CellGeometry<Dim>& geometry = storage_->geometry();
     const BlockWindow<Dim> window(blockOf<Dim>(geometry.cellOf(rays.commonOrigin())),
                                   insertionOptions.windowRadius, geometry.resolution());
-    storage_.writable().forgetOutside(
-        window, [&](const BlockKey<Dim>& key) { forgotten.push_back(key); });
-    if (forgotten.empty()) return forgotten;
-    for (const BlockKey<Dim>& key : forgotten) changes_.add(key);
-    view_->forgotten(forgotten);
-    if (surface_) {
-        if (surface_.use_count() > 1)  // copies of this map have it too
-            surface_ = std::make_shared<SurfaceStatistics<Dim>>(*surface_);
-        surface_->forget(forgotten);
+    try {
+        storage_.writable().forgetOutside(
+            window, [&](const BlockKey<Dim>& key) { forgotten.push_back(key); });
+        if (forgotten.empty()) return forgotten;
+        for (const BlockKey<Dim>& key : forgotten) changes_.add(key);
+        view_->forgotten(forgotten);
+        if (surface_) {
+            if (surface_.use_count() > 1)  // copies of this map have it too
+                surface_ = std::make_shared<SurfaceStatistics<Dim>>(*surface_);
+            surface_->forget(forgotten);
+        }
+    } catch (...) {
+        surface_.reset();  // no statistics, rather than those of forgotten cells
+        throw;
     }
     return forgotten;
 }

@@ -94,9 +94,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     void setResolution(double metres) override;
     CellTotals cellTotals() const override;
     std::optional<MetricBounds> metricBounds() const override;
-    /// What the memory bound counts: memory of the cells, that which is free for cells to
-    /// come included, of the point statistics, and of what a subclass keeps per cell.
-    std::size_t heldBytes() const;
+    std::size_t heldBytes() const override;
     std::size_t memoryBytes() const override {
         return storage_->memoryBytes() + (surface_ ? surface_->memoryBytes() : 0);
     }
@@ -203,6 +201,10 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     virtual void scanApplied(const RayBundle<Dim>& /*rays*/, const UpdateBatch<Dim>* /*batch*/,
                              const BlockKeys& /*forgotten*/) {}
 
+    /// \throws MemoryLimitError if more is needed [bytes] than a bound allows (0: none)
+    void requireWithin(std::uint32_t boundMegabytes, std::size_t needed,
+                       const char* what) const;
+
     // What a subclass keeps beside the cells counts for the memory bound, too [bytes]:
     // now; at most when so many blocks have been written; when these have been; for a map
     // of other cells.
@@ -231,9 +233,6 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     void replaceAll(SharedStorage<Dim> storage, TMapOptions options,
                     std::uint32_t boundMegabytes);
     void loadWithin(const std::string& path, std::uint32_t boundMegabytes);
-    /// \throws MemoryLimitError
-    void requireWithin(std::uint32_t boundMegabytes, std::size_t needed,
-                       const char* what) const;
     /// Before a scan is applied: whether it keeps to the memory bound.
     /// \return threads to apply it with  \throws MemoryLimitError
     unsigned requireRoom(const UpdateBatch<Dim>& batch, const RayBundle<Dim>& rays) const;
