@@ -3,6 +3,7 @@
 #include <superray/storage/block_grid.h>
 
 #include "grid/grid_blocks.h"
+#include "grid/grid_growth.h"
 #include "values/fold_layers.h"
 
 #include <algorithm>
@@ -229,14 +230,15 @@ std::size_t BlockGrid<Dim>::heldBytes() const {
 
 template <int Dim>
 std::size_t BlockGrid<Dim>::heldBytesAtMost(std::size_t blocks, unsigned) const {
-    return sizeof(Impl) +
-           impl_->memoryBytesAtMost({blocks, blocks, blocks * Payload<Dim>::kLayers, blocks});
+    return sizeof(Impl) + grid::memoryBytesAtMost<Dim>(
+                              *impl_, {blocks, blocks, blocks * Payload<Dim>::kLayers, blocks});
 }
 
 template <int Dim>
 std::size_t BlockGrid<Dim>::heldBytesWith(
     const typename OccupancyMap<Dim>::WrittenBlocks& written) const {
-    return sizeof(Impl) + impl_->memoryBytesAtMost(impl_->growthBy(written));
+    return sizeof(Impl) +
+           grid::memoryBytesAtMost<Dim>(*impl_, grid::growthBy<Dim>(*impl_, written));
 }
 
 template <int Dim>

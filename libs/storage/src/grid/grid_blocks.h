@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -296,37 +295,6 @@ struct Blocks {
             });
             if (empty) table.removePage(page);
         }
-    }
-
-    /// What blocks to come may take.
-    struct Growth {
-        std::size_t pages = 0, payloads = 0, layers = 0;
-        std::size_t blocks = 0;  ///< those written: each may become uniform
-    };
-    Growth growthBy(const typename OccupancyMap<Dim>::WrittenBlocks& written) const {
-        Growth growth;
-        std::unordered_set<BlockKey<Dim>, IndexHash> pages;
-        written([&](const BlockView<Dim>& view) {
-            ++growth.blocks;
-            const Place place = table.find(view.key);
-            if (place == Table::kNowhere && pages.insert(Table::pageKey(view.key)).second)
-                ++growth.pages;
-            const Block* const block = at(place);
-            const bool hasPayload = block != nullptr && block->payload != kUniform;
-            if (!hasPayload) ++growth.payloads;
-            for (std::size_t z = 0; z < Payload<Dim>::kLayers; ++z) {
-                const bool hasLayer =
-                    hasPayload && payloads[block->payload].layers[z] != kNoLayer;
-                const bool wanted = block != nullptr && !hasPayload;  // split for all cells
-                if (!hasLayer && (wanted || view.known.words[z] != 0)) ++growth.layers;
-            }
-        });
-        return growth;
-    }
-    std::size_t memoryBytesAtMost(const Growth& g) const {
-        return table.memoryBytesAtMost(g.pages) +
-               payloads.memoryBytesAtMost(g.payloads, g.blocks) +
-               layers.memoryBytesAtMost(g.layers, g.blocks * Payload<Dim>::kLayers);
     }
 
     void rebuildSaturation(float lowerClamp) {
