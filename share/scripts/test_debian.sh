@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Does what a new user does, in a fresh root of a Debian release:
 #
-#   test_debian.sh RELEASE [--user] [--packages] [--upper] [--keep DIR] [--ccache DIR]
+#   test_debian.sh RELEASE [--user] [--packages] [--tests OPTIONS]... [--keep DIR]
+#                  [--ccache DIR]
 #
 #   RELEASE     bookworm, trixie, sid, ...
 #   --user      as a plain user with sudo instead of root
 #   --packages  afterwards build the packages, and test them in another fresh root
-#   --upper     leaves out the tests of core, storage and fuzz, which need no MRPT
+#   --tests OPTIONS  what test.sh is called with, e.g. "release --areas maps,system"; once
+#               for each --tests. Default: all tests of the preset release
 #   --keep DIR  where the root is made; DIR must not exist, and stays. Default: a
 #               folder that is removed at the end
 #   --ccache DIR  saves time when it is done again: ccache is installed there, and
@@ -22,15 +24,15 @@
 set -euo pipefail
 source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 
-usage() { sed -n '3,22s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 2; }
+usage() { sed -n '3,24s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 2; }
 cannot() { echo "CANNOT TEST in a fresh root: $1" >&2; exit 77; }
 
-release= keep= cache= as_user=0 packages=0 tests=release
+release= keep= cache= as_user=0 packages=0 tests=()
 while [[ $# -gt 0 ]]; do
     case $1 in
         --user) as_user=1; shift ;;
         --packages) packages=1; shift ;;
-        --upper) tests="release -LE '^(core|storage)\$' -E '^(core|storage|fuzz)_'"; shift ;;
+        --tests) [[ $# -gt 1 ]] || usage; tests+=("$2"); shift 2 ;;
         --keep) [[ $# -gt 1 ]] || usage; keep=$2; shift 2 ;;
         --ccache) [[ $# -gt 1 ]] || usage; cache=$2; shift 2 ;;
         -*) usage ;;
@@ -126,8 +128,9 @@ if [[ -n $cache ]]; then
         "apt-get -qq install --yes --no-install-recommends ccache >/dev/null 2>&1"
 fi
 
-commands="bash share/scripts/demo.sh; bash share/scripts/test.sh"
-[[ $tests == release ]] || commands+=" $tests"
+[[ ${#tests[@]} -gt 0 ]] || tests=(release)
+commands="bash share/scripts/demo.sh"
+for options in "${tests[@]}"; do commands+="; bash share/scripts/test.sh $options"; done
 echo "=== Debian $release: $commands"
 if ((as_user)); then
     in_root "$root/system" "
