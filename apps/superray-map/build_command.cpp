@@ -105,6 +105,12 @@ Command declareBuild(CLI::App& app) {
         ->type_name("METRES");
     app.add_option("--min-range", a.map.minRange, "Nearer points are left out; default 0")
         ->type_name("METRES");
+    app.add_option("--window", a.map.windowRadius,
+                   "Forget what is farther from the sensor after each scan; default: nothing")
+        ->type_name("METRES");
+    app.add_option("--max-memory", a.map.maxMemoryMegabytes,
+                   "Stop, without output, before the map would take more; default: no bound")
+        ->type_name("MB");
     app.add_option("--sensor", a.map.sensorLabels,
                    "Sensor labels to use, comma-separated; default: all")
         ->type_name("LABELS");

@@ -94,6 +94,22 @@ TEST(BenchCli, replaysInRealTime) {
     expectError(folder, "realtime absent.rawlog", "absent.rawlog");
 }
 
+TEST(BenchCli, soaksAndJudges) {
+    TempFolder folder;
+    const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
+    const std::string rest =
+        "--resolution 0.4 --json '" + (folder / "soak.json") + "' --insertions 200 --window ";
+    const auto flat = runOk(folder, "soak" + in + rest + "3");
+    EXPECT_NE(flat.find("memory is flat"), std::string::npos) << flat;
+    const auto json = nlohmann::json::parse(readWholeFile(folder / "soak.json"));
+    EXPECT_EQ(json["runs"][0]["scans"], 200);
+    const auto grows = run(folder, "soak" + in + rest + "0");
+    EXPECT_EQ(grows.code, 1) << grows.out;
+    EXPECT_NE(grows.out.find("GROWS"), std::string::npos) << grows.out;
+    expectError(folder, "soak" + in + "--resolution 0.02 --window 0 --max-memory 1",
+                "max_memory_megabytes = 1");
+}
+
 TEST(BenchCli, writesThePapersTables) {
     TempFolder folder;
     const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
