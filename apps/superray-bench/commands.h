@@ -12,5 +12,6 @@ Command declareCompare(CLI::App& app);
 Command declarePaper(CLI::App& app);
 Command declareRealtime(CLI::App& app);
 Command declareSimulate(CLI::App& app);
+Command declareSoak(CLI::App& app);
 
 }  // namespace superray

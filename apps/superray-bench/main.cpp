@@ -13,6 +13,7 @@ constexpr char kDescription[] =
   superray-bench paper indoor -o paper_indoor
   superray-bench realtime drive.rawlog --rate 10 --resolution 0.2
   superray-bench simulate outdoor -o campus.rawlog
+  superray-bench soak outdoor --window 30
 
 'superray-bench COMMAND --help' explains a command, with examples.)";
 
@@ -29,6 +30,8 @@ int main(int argc, char** argv) {
          {"paper", "The paper's tables and figures for any data", declarePaper},
          {"realtime", "Scans at the sensor's rate: how many are lost, and how good is the map",
           declareRealtime},
-         {"simulate", "Write the scans of a simulated world as a recording", declareSimulate}},
+         {"simulate", "Write the scans of a simulated world as a recording", declareSimulate},
+         {"soak", "A drive without end: does a map with a window keep to its memory",
+          declareSoak}},
         argc, argv);
 }

@@ -16,9 +16,10 @@ namespace {
 
 constexpr char kExamples[] =
     R"(Inputs: .rawlog (observations, or action/observation pairs), .simplemap,
-OctoMap's .graph, bags of ROS 1 (.bag) and 2 (.db3, .mcap, folders), .pcd and .ply,
-and folders of KITTI and RGB-D benchmarks. Several inputs make one map. Poses come
-from the input unless --poses or --fixed-robot is given.
+OctoMap's .graph, bags of ROS 1 (.bag) and 2 (.db3, .mcap, folders), .pcd, .ply and
+.las (one or a folder), .pcap (Velodyne), folders of KITTI (odometry, raw), MulRan,
+TUM RGB-D and ICL-NUIM. Several inputs make one map. Poses come from the input unless
+--poses or --fixed-robot is given.
 
 Examples:
   superray-map build room.rawlog -o room.srmap --resolution 0.05
@@ -104,6 +105,12 @@ Command declareBuild(CLI::App& app) {
         ->type_name("METRES");
     app.add_option("--min-range", a.map.minRange, "Nearer points are left out; default 0")
         ->type_name("METRES");
+    app.add_option("--window", a.map.windowRadius,
+                   "Forget what is farther from the sensor after each scan; default: nothing")
+        ->type_name("METRES");
+    app.add_option("--max-memory", a.map.maxMemoryMegabytes,
+                   "Stop, without output, before the map would take more; default: no bound")
+        ->type_name("MB");
     app.add_option("--sensor", a.map.sensorLabels,
                    "Sensor labels to use, comma-separated; default: all")
         ->type_name("LABELS");

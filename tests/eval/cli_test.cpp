@@ -87,6 +87,23 @@ TEST(Cli, buildsInspectsExportsAndCompares) {
     expectError(folder, "compare" + file("a.srmap") + file("plan.srmap"), "dimensions");
 }
 
+TEST(Cli, memoryBoundAndWindow) {
+    TempFolder folder;
+    const std::string in = "build '" + makeRecording(folder) + "' -o '";
+    const std::string fine = "' --resolution 0.02 ";
+    const auto refused = run(folder, in + (folder / "a.srmap") + fine + "--max-memory 1");
+    EXPECT_EQ(refused.code, 2);
+    for (const char* part : {"max_memory_megabytes = 1", "scan ", "raise the bound"})
+        EXPECT_NE(refused.error.find(part), std::string::npos) << refused.error;
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.srmap"));
+    runOk(folder, in + (folder / "a.srmap") + fine + "--max-memory 1000");
+    runOk(folder, in + (folder / "b.srmap") + fine + "--max-memory 1000 --window 0.5");
+    EXPECT_LT(std::filesystem::file_size(folder / "b.srmap"),
+              std::filesystem::file_size(folder / "a.srmap") / 2);
+    const auto bad = run(folder, in + (folder / "c.srmap") + fine + "--window -1");
+    EXPECT_EQ(bad.code, 2);
+}
+
 TEST(Cli, helpTeachesAndVersionIsTold) {
     TempFolder folder;
     for (const char* arguments : {"--help", "build --help", "inspect --help", "info --help",

@@ -123,6 +123,7 @@ inline TMapOptions unusualOptions() {
     TMapOptions o;
     o.creation.resolution = 1.0 / 7;  // not representable in few decimals
     o.creation.reserve_megabytes = 3;
+    o.creation.max_memory_megabytes = 77;
     o.creation.enableSaveAs3DObject = false;
     o.creation.enableObservationLikelihood = false;
     o.creation.enableObservationInsertion = false;
@@ -148,6 +149,7 @@ inline TMapOptions unusualOptions() {
     o.insertion.clearAtMaxrange = true;
     o.insertion.heightBandMin = -1.0 / 3;
     o.insertion.heightBandMax = 1.7;
+    o.insertion.windowRadius = 250.5;
     o.insertion.pointStatistics = true;
     o.likelihood.decimation = 4;
     o.likelihood.sigma = 0.07;

@@ -82,6 +82,9 @@ mrpt::maps::CMetricMap::Ptr makeMap(const MapRequest& request) {
     options.creation.resolution = request.resolution.value_or(options.creation.resolution);
     insertion.maxrange = request.maxRange.value_or(insertion.maxrange);
     insertion.minrange = request.minRange.value_or(insertion.minrange);
+    insertion.windowRadius = request.windowRadius.value_or(insertion.windowRadius);
+    options.creation.max_memory_megabytes =
+        request.maxMemoryMegabytes.value_or(options.creation.max_memory_megabytes);
     insertion.threads = request.threads.value_or(insertion.threads);
     insertion.sensorLabel = request.sensorLabels.value_or(insertion.sensorLabel);
     if (request.policy) {

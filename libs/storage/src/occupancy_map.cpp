@@ -9,12 +9,9 @@ namespace superray {
 template <int Dim>
 void OccupancyMap<Dim>::apply(const CellCountMap<Dim>& counts, const SensorModel& model,
                               UpdatePolicy policy) {
-    for (const auto& [cell, n] : counts) {
-        if (n.misses == 0 && n.hits == 0) continue;
-        const std::optional<float> before = logOdds(cell);
-        const float after = model.updated(before.value_or(0.0f), n.misses, n.hits, policy);
-        if (!before || *before != after) setLogOdds(cell, after);
-    }
+    // All blocks first: they are looked at as they were.
+    forEachWritten(counts, model, policy,
+                   [&](const BlockView<Dim>& block) { setBlock(block); });
 }
 
 template <int Dim>

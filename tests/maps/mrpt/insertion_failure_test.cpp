@@ -122,6 +122,59 @@ TYPED_TEST(InsertionFailure, LeavesEachBlockOldOrNewAndAllElseInAgreement) {
     EXPECT_GT(failures, 10);
 }
 
+// The same while a window slides: a block may also be gone.
+TYPED_TEST(InsertionFailure, WithAWindowLeavesEachBlockOldNewOrForgotten) {
+    const auto first = test::randomCloud(300, 1), second = test::randomCloud(300, 2);
+    const CPose3D pose(0.3, 0, 0, 0.2, 0, 0), moved(6, 0.5, 0, 0.4, 0, 0);
+    const auto filled = [&] {
+        auto map = std::make_unique<TypeParam>(0.2);
+        TMapOptions options = cellsOf(*map).options();
+        options.insertion.windowRadius = 2;
+        map->setOptions(options);
+        map->insertObservation(*first, pose);
+        expectDerivedAgrees(*map);
+        return map;
+    };
+    const auto undisturbed = filled();
+    const auto before = blocksOf(cellsOf(*undisturbed));
+    TypeParam unlimited(*undisturbed);
+    TMapOptions options = cellsOf(unlimited).options();
+    options.insertion.windowRadius = 0;
+    unlimited.setOptions(options);
+    unlimited.insertObservation(*second, moved);
+    auto after = blocksOf(cellsOf(unlimited));
+    test::allocations.asked = 0;
+    undisturbed->insertObservation(*second, moved);
+    const int needed = test::allocations.asked;
+    EXPECT_GT(cellsOf(*undisturbed).lastInsertion().forgottenBlocks, 0u);
+
+    int failures = 0, late = 0;
+    for (int succeeding = 0; succeeding < needed; succeeding += 3) {
+        SCOPED_TRACE("allocation " + std::to_string(succeeding));
+        const auto map = filled();
+        bool threw = false;
+        test::allocations.allowed = succeeding;
+        try {
+            map->insertObservation(*second, moved);
+        } catch (const std::exception&) {
+            threw = true;
+        }
+        test::allocations.allowed = -1;
+        failures += threw;
+        auto old = before;
+        for (const auto& [key, cells] : blocksOf(cellsOf(*map))) {
+            ASSERT_TRUE(cells == after[key] || cells == old[key]);
+            old.erase(key);
+        }
+        late += threw && !old.empty();
+        expectDerivedAgrees(*map);
+        map->insertObservation(*first, pose);
+        expectDerivedAgrees(*map);
+    }
+    EXPECT_GT(failures, 10);
+    EXPECT_GT(late, 0) << "no failure after blocks were forgotten";
+}
+
 // The way to undo: copies share their cells until one of them changes.
 TYPED_TEST(InsertionFailure, OfACopyLeavesTheOriginalForARetry) {
     const auto first = test::randomCloud(300, 1), second = test::randomCloud(300, 2);

@@ -202,7 +202,7 @@ TEST(ConfigFiles, TheAdvancedOneNamesEveryOptionWithItsDefault) {
             EXPECT_TRUE(file.keyExists(section, key)) << section << " " << key;
         }
     }
-    EXPECT_EQ(options, 41u);
+    EXPECT_EQ(options, 43u);
 }
 
 }  // namespace

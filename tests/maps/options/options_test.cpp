@@ -28,7 +28,7 @@ TEST(Options, TextRoundTripKeepsEveryBit) {
     // default.
     const std::string defaults = TMapOptions().toText();
     ASSERT_EQ(linesOf(text), linesOf(defaults));
-    ASSERT_EQ(linesOf(text), 4u + 7u + 23u + 5u + 6u);
+    ASSERT_EQ(linesOf(text), 4u + 8u + 24u + 5u + 6u);
     std::istringstream a(text), b(defaults);
     std::size_t same = 0;
     for (std::string x, y; std::getline(a, x) && std::getline(b, y);) same += x == y ? 1 : 0;
@@ -150,6 +150,10 @@ TEST(Options, BadValuesNameSectionKeyValueAndRule) {
         {"creationOpts", "lazy_load_path", "/no/such/folder", "must be a folder"},
         {"creationOpts", "reserve_megabytes", "1048577", "reserve_megabytes <= 1048576"},
         {"creationOpts", "reserve_megabytes", "-1", "whole number"},
+        {"creationOpts", "max_memory_megabytes", "1048577", "max_memory_megabytes <= 1048576"},
+        {"creationOpts", "max_memory_megabytes", "1.5", "whole number"},
+        {"insertOpts", "windowRadius", "-1", "windowRadius >= 0"},
+        {"insertOpts", "windowRadius", "inf", "windowRadius >= 0"},
         {"creationOpts", "enableSaveAs3DObject", "maybe", "must be true or false"},
         {"insertOpts", "probHit", "0.5", "0.5 < probHit < 1"},
         {"insertOpts", "probMiss", "0.5", "0 < probMiss < 0.5"},
@@ -175,7 +179,7 @@ TEST(Options, BadValuesNameSectionKeyValueAndRule) {
         {"likelihoodOpts", "decimation", "0", "decimation >= 1"},
         {"renderOpts", "colour", "red", "height or occupancy"},
     };
-    ASSERT_EQ(lines.size(), 31u);
+    ASSERT_EQ(lines.size(), 35u);
     for (const auto& line : lines) {
         const CConfigFileMemory file("[m_" + std::string(line.section) + "]\n" + line.key +
                                      " = " + line.value + "\n");

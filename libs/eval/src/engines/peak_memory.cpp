@@ -26,6 +26,10 @@ std::uint64_t statusBytes(const std::string& field) {
 
 }  // namespace
 
+std::uint64_t residentBytes() {
+    return statusBytes("VmRSS");
+}
+
 std::optional<std::uint64_t> peakGrowth(const std::function<void()>& work) {
     int pipeEnds[2];
     if (pipe(pipeEnds) != 0) return std::nullopt;

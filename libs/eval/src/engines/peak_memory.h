@@ -12,4 +12,7 @@ namespace superray {
 /// it does `work`: a copy of this process does it. Nothing if it cannot be told.
 std::optional<std::uint64_t> peakGrowth(const std::function<void()>& work);
 
+/// Resident set of this process [bytes]; 0 if it cannot be told.
+std::uint64_t residentBytes();
+
 }  // namespace superray

@@ -48,7 +48,7 @@ struct Format {
 };
 
 /// The formats in the order they are tried.
-constexpr std::array<Format, 13> kFormats{{
+constexpr std::array<Format, 14> kFormats{{
     {kRawlogFormat,
      [](const std::string& p, bool folder) {
          return !folder && (endsWith(p, ".rawlog") || endsWith(p, ".rawlog.gz"));
@@ -80,9 +80,17 @@ constexpr std::array<Format, 13> kFormats{{
      openRos},
     {kRos2Folder, [](const std::string& p, bool folder) { return folder && isBagFolder(p); },
      openRos},
-    {"point cloud file (PCD, PLY)",
+    {"Velodyne capture (pcap)",
      [](const std::string& p, bool folder) {
-         return !folder && (endsWith(p, ".pcd") || endsWith(p, ".ply"));
+         return !folder &&
+                (endsWith(p, ".pcap") || endsWith(p, ".pcapng") || endsWith(p, ".cap"));
+     },
+     openVelodyneCapture},
+    {"point cloud file (PCD, PLY, LAS)",
+     [](const std::string& p, bool folder) {
+         const auto extensions = cloudExtensions();
+         return !folder && std::any_of(extensions.begin(), extensions.end(),
+                                       [&](const auto& e) { return endsWith(p, e); });
      },
      openClouds},
     {"KITTI raw drive",
@@ -96,9 +104,9 @@ constexpr std::array<Format, 13> kFormats{{
     {"RGB-D folder (TUM, ICL-NUIM)",
      [](const std::string& p, bool folder) { return folder && hasFolder(p, "depth"); },
      [](const std::string& p, const ScanSourceOptions& o) { return openRgbd(p, o); }},
-    {"folder of point clouds (PCD, PLY)",
+    {"folder of point clouds (PCD, PLY, LAS)",
      [](const std::string& p, bool folder) {
-         return folder && !listFrames(p, {".pcd", ".ply"}).empty();
+         return folder && !listFrames(p, cloudExtensions()).empty();
      },
      openClouds},
     {"folder of .bin scans named by time",
@@ -113,20 +121,19 @@ struct Hint {
     const char *extension, *advice;
 };
 
-constexpr std::array<Hint, 18> kHints{{
+constexpr std::array<Hint, 17> kHints{{
     {".db3.zstd", "a ROS 2 bag that is compressed: unpack it by 'zstd -d'"},
     {".mcap.zstd", "a ROS 2 bag that is compressed: unpack it by 'zstd -d'"},
-    {".pcap", "a Velodyne capture: convert it with MRPT's rawlog-grabber (velodyne.ini)"},
     {".log", "a log, of CARMEN perhaps: convert it with MRPT's carmen2rawlog"},
     {".clf", "a CARMEN log: convert it with MRPT's carmen2rawlog"},
-    {".las", "a LAS cloud: convert it with 'pdal translate x.las x.ply'"},
-    {".laz", "a LAZ cloud: convert it with 'pdal translate x.laz x.ply'"},
     {".e57", "an E57 cloud: convert it with 'pdal translate x.e57 x.ply'"},
     {".xyz", "a text cloud: convert it with 'pdal translate x.xyz x.ply'"},
     {".zip", "an archive: unpack it first"},
     {".tar", "an archive: unpack it first"},
     {".tgz", "an archive: unpack it first"},
     {".7z", "an archive: unpack it first"},
+    {".bz2", "an archive: unpack it first"},
+    {".xz", "an archive: unpack it first"},
     {".bt", "a map, not a recording: see superray-map info, export and compare"},
     {".ot", "a map, not a recording: see superray-map info, export and compare"},
     {".srmap", "a map, not a recording: see superray-map info, export and compare"},
@@ -137,7 +144,7 @@ constexpr std::array<Hint, 18> kHints{{
 std::string adviceFor(const std::string& path, bool isFolder) {
     if (isFolder)
         return "a folder without scans of a known kind: it has no velodyne/*.bin (KITTI), "
-               "depth/*.png (RGB-D), *.db3 or *.mcap (ROS 2), *.pcd, *.ply or *.bin";
+               "depth/*.png (RGB-D), *.db3 or *.mcap (ROS 2), *.pcd, *.ply, *.las or *.bin";
     for (const Hint& hint : kHints)
         if (endsWith(path, hint.extension) ||
             endsWith(path, hint.extension + std::string(".gz")))
@@ -148,7 +155,11 @@ std::string adviceFor(const std::string& path, bool isFolder) {
     if (begins("# .PCD") || begins("VERSION") || begins("ply\n"))
         return "a point cloud: name it .pcd or .ply";
     if (begins("\x1f\x8b") || begins("\x28\xb5\x2f\xfd"))
-        return "compressed: a rawlog or simplemap must be named so";
+        return "compressed: unpack it, or name it so if it is a rawlog or simplemap";
+    if (begins("LASF")) return "a LAS cloud: name it .las";
+    for (const char* magic : {"\xd4\xc3\xb2\xa1", "\x4d\x3c\xb2\xa1", "\xa1\xb2\xc3\xd4",
+                              "\xa1\xb2\x3c\x4d", "\x0a\x0d\x0d\x0a"})
+        if (begins(magic)) return "a network capture: name it .pcap";
     const bool isText = std::all_of(start.begin(), start.end(), [](char c) {
         return std::isprint(static_cast<unsigned char>(c)) ||
                std::isspace(static_cast<unsigned char>(c));
@@ -163,10 +174,11 @@ const Format& formatOf(const std::string& path) {
     if (!isFolder) requireRegularFile(path);
     for (const Format& format : kFormats)
         if (format.matches(path, isFolder)) return format;
-    throw InputError(path + ": unknown input; it looks like " + adviceFor(path, isFolder) +
-                     ". Known are .rawlog, .simplemap, .graph (OctoMap), .bag, .db3 and .mcap "
-                     "(ROS), .pcd and .ply, and folders: ROS 2 bags, KITTI odometry and raw, "
-                     "TUM RGB-D, point clouds, .bin scans");
+    throw InputError(
+        path + ": unknown input; it looks like " + adviceFor(path, isFolder) +
+        ". Known are .rawlog, .simplemap, .graph (OctoMap), .bag, .db3 and .mcap "
+        "(ROS), .pcd, .ply, .las, .pcap (Velodyne), and folders: ROS 2 bags, KITTI "
+        "odometry and raw, TUM RGB-D, point clouds, .bin scans");
 }
 
 }  // namespace

@@ -8,12 +8,17 @@
 #include <superray/eval/trajectory.h>
 
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
 
 namespace superray {
 
 std::unique_ptr<ScanSource> openRawlog(const std::string& path, const ScanSourceOptions&);
 std::unique_ptr<ScanSource> openSimpleMap(const std::string& path, const ScanSourceOptions&);
 std::unique_ptr<ScanSource> openScanGraph(const std::string& path, const ScanSourceOptions&);
+std::unique_ptr<ScanSource> openVelodyneCapture(const std::string& path,
+                                                const ScanSourceOptions&);
 std::unique_ptr<ScanSource> openClouds(const std::string& path, const ScanSourceOptions&);
 std::unique_ptr<ScanSource> openKitti(const std::filesystem::path& folder,
                                       const ScanSourceOptions&);
@@ -23,6 +28,9 @@ std::unique_ptr<ScanSource> openRgbd(const std::filesystem::path& folder,
                                      const ScanSourceOptions&);
 std::unique_ptr<ScanSource> openTimedBins(const std::filesystem::path& folder,
                                           const ScanSourceOptions&);
+
+/// Extensions of the files that openClouds() takes, also in a folder.
+std::vector<std::string> cloudExtensions();
 
 inline constexpr const char* kRawlogFormat = "MRPT rawlog";
 inline constexpr const char* kRos1Format = "ROS 1 bag";

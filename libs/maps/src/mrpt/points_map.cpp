@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/maps/CSuperRayPointsMap.h>
 
+#include <superray/storage/memory_limit_error.h>
+
 #include <limits>
 #include <stdexcept>
 
@@ -128,9 +130,10 @@ bool CSuperRayPointsMap<Dim>::internal_insertObservation(
 // --- the points ---------------------------------------------------------------
 
 template <int Dim>
-void CSuperRayPointsMap<Dim>::follow(const RayBundle<Dim>& rays,
-                                     const UpdateBatch<Dim>* batch) {
+void CSuperRayPointsMap<Dim>::follow(const RayBundle<Dim>& rays, const UpdateBatch<Dim>* batch,
+                                     const std::vector<BlockKey<Dim>>& forgotten) {
     if (size() != sources_.size()) forgetPoints();  // somebody else changed them
+    for (const BlockKey<Dim>& key : forgotten) forgetBlock(key);
     if (!batch || sources_.empty()) {
         followAllBlocks();
     } else {
@@ -171,6 +174,17 @@ void CSuperRayPointsMap<Dim>::followBlock(const BlockView<Dim>& block) {
             removePoint(point);
         }
     }
+}
+
+/// Removes the points of a block without known cells.
+template <int Dim>
+void CSuperRayPointsMap<Dim>::forgetBlock(const BlockKey<Dim>& key) {
+    const auto found = blocks_.find(key);
+    if (found == blocks_.end()) return;
+    const std::unique_ptr<BlockPoints>& points = found->second;
+    for (const std::uint32_t& point : *points)
+        if (point != kNoPoint) removePoint(point);
+    blocks_.erase(found);
 }
 
 template <int Dim>
@@ -240,6 +254,8 @@ template <class Change>
 void CSuperRayPointsMap<Dim>::remakeOnFailure(const Change& change) {
     try {
         change();
+    } catch (const MemoryLimitError&) {
+        throw;  // nothing has changed
     } catch (...) {
         forgetPoints();
         try {

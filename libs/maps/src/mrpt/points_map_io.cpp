@@ -69,10 +69,15 @@ void CSuperRayPointsMap<Dim>::readFrom(mrpt::serialization::CArchive& in,
                                  std::to_string(kSerialVersion));
     CSuperRayPointsMap read(1.0);
     GridMap grid;
+    // Within the bound of this map.
+    TMapOptions bounded = grid.options();
+    bounded.creation.max_memory_megabytes = occupancy_->options().creation.max_memory_megabytes;
+    grid.setOptions(bounded);
     in >> grid;
     read.occupancy_->takeFrom(grid);
     read.genericMapParams = grid.genericMapParams;
     read.followAllBlocks();
+    read.occupancy_->requireBound();
     std::uint64_t count = 0;
     in >> count;
     if (count != read.sources_.size())

@@ -74,7 +74,8 @@ SharedStorage<Dim>::SharedStorage(std::unique_ptr<OccupancyMap<Dim>> map)
 template <int Dim>
 SharedStorage<Dim> SharedStorage<Dim>::decoded(StorageType type,
                                                const CellGeometry<Dim>& geometry,
-                                               const Bytes& bytes) {
+                                               const Bytes& bytes,
+                                               const MapFileLimits& limits) {
     SharedStorage fresh(makeStorage<Dim>(type, geometry));
     Registry& registry = Registry::instance();
     {
@@ -87,7 +88,7 @@ SharedStorage<Dim> SharedStorage<Dim>::decoded(StorageType type,
             return fresh;
         }
     }
-    decodeCells(bytes.data(), bytes.size(), *fresh.held_->map);
+    decodeCells(bytes.data(), bytes.size(), *fresh.held_->map, limits);
     return fresh;
 }
 

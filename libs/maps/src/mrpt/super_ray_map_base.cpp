@@ -54,6 +54,7 @@ CSuperRayMapBase<Dim>::CSuperRayMapBase(const CSuperRayMapBase& other)
       renderingOptions(other.renderingOptions),
       type_(other.type_),
       reserveMegabytes_(other.reserveMegabytes_),
+      maxMegabytes_(other.maxMegabytes_),
       storage_(other.storage_),
       surface_(other.surface_),
       last_(other.last_),
@@ -71,6 +72,7 @@ CSuperRayMapBase<Dim>& CSuperRayMapBase<Dim>::operator=(const CSuperRayMapBase& 
     renderingOptions = other.renderingOptions;
     type_ = other.type_;
     reserveMegabytes_ = other.reserveMegabytes_;
+    maxMegabytes_ = other.maxMegabytes_;
     storage_ = other.storage_;
     surface_ = other.surface_;
     last_ = other.last_;
@@ -122,6 +124,7 @@ TMapOptions CSuperRayMapBase<Dim>::options() const {
     TMapOptions o;
     o.creation.resolution = resolution();
     o.creation.reserve_megabytes = reserveMegabytes_;
+    o.creation.max_memory_megabytes = maxMegabytes_;
     o.creation.enableSaveAs3DObject = genericMapParams.enableSaveAs3DObject;
     o.creation.enableObservationLikelihood = genericMapParams.enableObservationLikelihood;
     o.creation.enableObservationInsertion = genericMapParams.enableObservationInsertion;
@@ -139,9 +142,13 @@ void CSuperRayMapBase<Dim>::setOptions(const TMapOptions& o) {
     useLazyLoadPath(o.creation.lazy_load_path);
     bool reserving = o.creation.reserve_megabytes != reserveMegabytes_;
     if (o.creation.load_from.empty()) {
+        if (!isEmpty())
+            requireWithin(o.creation.max_memory_megabytes, heldBytes(), "this map as it is");
+        else if (o.creation.max_memory_megabytes != 0 && reserving)
+            storage_ = makeEmptyStorage(resolution());  // without the reserve of before
         reserving |= changeResolution(o.creation.resolution);
     } else {
-        loadFromFile(o.creation.load_from);
+        loadWithin(o.creation.load_from, o.creation.max_memory_megabytes);
         reserving = true;
     }
     assignOptions(o);
@@ -151,6 +158,7 @@ void CSuperRayMapBase<Dim>::setOptions(const TMapOptions& o) {
 template <int Dim>
 void CSuperRayMapBase<Dim>::assignOptions(const TMapOptions& o) {
     reserveMegabytes_ = o.creation.reserve_megabytes;
+    maxMegabytes_ = o.creation.max_memory_megabytes;
     genericMapParams.enableSaveAs3DObject = o.creation.enableSaveAs3DObject;
     genericMapParams.enableObservationLikelihood = o.creation.enableObservationLikelihood;
     genericMapParams.enableObservationInsertion = o.creation.enableObservationInsertion;
@@ -160,7 +168,16 @@ void CSuperRayMapBase<Dim>::assignOptions(const TMapOptions& o) {
 }
 
 template <int Dim>
-void CSuperRayMapBase<Dim>::replaceAll(SharedStorage<Dim> storage, const TMapOptions& o) {
+void CSuperRayMapBase<Dim>::replaceAll(SharedStorage<Dim> storage, TMapOptions o,
+                                       std::uint32_t boundMegabytes) {
+    std::uint32_t& bound = o.creation.max_memory_megabytes;
+    if (boundMegabytes != 0)
+        bound = bound == 0 ? boundMegabytes : std::min(bound, boundMegabytes);
+    if (bound != 0)
+        requireWithin(bound,
+                      storage->heldBytes() +
+                          companionBytesOf(*storage, o.insertion.sensorModel().occupied()),
+                      "the map to be loaded");
     assignOptions(o);
     storage_ = std::move(storage);
     surface_.reset();
@@ -175,7 +192,13 @@ void CSuperRayMapBase<Dim>::reserveMemory() {
     const std::size_t bytes = std::min<std::size_t>(std::size_t{reserveMegabytes_} << 20,
                                                     MapFileLimits::ofThisMachine().mapBytes);
     integrator_.reserve(bytes / 4, insertionOptions.integratorOptions().threads);
-    storage_.writable().reserve(bytes - bytes / 4);
+    std::size_t forCells = bytes - bytes / 4;
+    if (maxMegabytes_ != 0) {
+        const std::size_t bound = std::size_t{maxMegabytes_} << 20, held = heldBytes();
+        // A reserve is about so large.
+        forCells = std::min(forCells, (bound - std::min(bound, held)) / 8 * 7);
+    }
+    storage_.writable().reserve(forCells);
 }
 
 // --- changes ------------------------------------------------------------------

@@ -7,6 +7,7 @@
 #include <superray/maps/observation_rays.h>
 #include <superray/maps/pose_track.h>
 #include <superray/maps/super_ray_map_base.h>
+#include <superray/storage/memory_limit_error.h>
 
 #include <chrono>
 #include <iterator>
@@ -140,11 +141,10 @@ void CSuperRayMapBase<Dim>::apply(const CellCountMap<Dim>& counts) {
 }
 
 template <int Dim>
-void CSuperRayMapBase<Dim>::apply(const UpdateBatch<Dim>& batch) {
+void CSuperRayMapBase<Dim>::apply(const UpdateBatch<Dim>& batch, unsigned threads) {
     recordChange(batch);
     view_->applied(batch);
-    storage_.writable().apply(batch, sensorModel(), insertionOptions.policy,
-                              insertionOptions.threads);
+    storage_.writable().apply(batch, sensorModel(), insertionOptions.policy, threads);
 }
 
 template <int Dim>
@@ -155,6 +155,8 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
         report.scans = 1;
         try {
             applyRays(rays, hitCells, report);
+        } catch (const MemoryLimitError&) {
+            throw;  // nothing has changed
         } catch (...) {
             // Some blocks may be new already: what is derived from them is made anew.
             contentsChanged();
@@ -180,6 +182,7 @@ void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>& rays, HitCells hitCe
             counts = withoutMissesOfHitCells<Dim>(std::move(counts));
         report.integrateSeconds = watch.lap();
         report.work.rays = rays.size();
+        requireRoom(counts, rays);
         apply(counts);
     } else {
         applied = &integrator_.integrate(rays, model, integration, &map);
@@ -189,11 +192,13 @@ void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>& rays, HitCells hitCe
             applied = &changed;
         }
         report.integrateSeconds = watch.lap();
-        apply(*applied);
+        apply(*applied, requireRoom(*applied, rays));
     }
     addStatistics(rays);
+    const BlockKeys forgotten = slideWindow(rays);
+    report.forgottenBlocks = forgotten.size();
     report.applySeconds = watch.lap();
-    scanApplied(rays, applied);
+    scanApplied(rays, applied, forgotten);
 }
 
 #define SUPERRAY_INSTANTIATE(Dim)                                                           \
@@ -207,7 +212,7 @@ void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>& rays, HitCells hitCe
                                                    HitCells);                               \
     template void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>&, HitCells,         \
                                                    TInsertionReport&);                      \
-    template void CSuperRayMapBase<Dim>::apply(const UpdateBatch<Dim>&);                    \
+    template void CSuperRayMapBase<Dim>::apply(const UpdateBatch<Dim>&, unsigned);          \
     template void CSuperRayMapBase<Dim>::apply(const CellCountMap<Dim>&);                   \
     template void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>&);             \
     template void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>&);

@@ -47,6 +47,12 @@ Bytes readBytes(mrpt::serialization::CArchive& in) {
     return bytes;
 }
 
+MapFileLimits limitsWithin(std::uint32_t boundMegabytes) {
+    MapFileLimits limits = MapFileLimits::ofThisMachine();
+    if (boundMegabytes != 0) limits.heldBytes = std::uint64_t{boundMegabytes} << 20;
+    return limits;
+}
+
 /// Cells of an OctoMap file; .bt has only two values, which become the clamps.
 std::unique_ptr<OccupancyMap<3>> readOctomapCells(const std::string& path,
                                                   const SensorModel& model) {
@@ -84,9 +90,12 @@ void CSuperRayMapBase<Dim>::readFrom(mrpt::serialization::CArchive& in, std::uin
         TMapOptions read;
         read.fromText(text);
         const auto cells = readBytes<std::vector<std::uint8_t>>(in);
-        replaceAll(SharedStorage<Dim>::decoded(
-                       type_, CellGeometry<Dim>(read.creation.resolution), cells),
-                   read);
+        replaceAll(
+            SharedStorage<Dim>::decoded(type_, CellGeometry<Dim>(read.creation.resolution),
+                                        cells, limitsWithin(maxMegabytes_)),
+            read, maxMegabytes_);
+    } catch (const MemoryLimitError&) {
+        throw;
     } catch (const std::exception& e) {
         throw std::runtime_error(shortClassName() +
                                  ": cannot read map from stream: " + e.what());
@@ -105,14 +114,20 @@ void CSuperRayMapBase<Dim>::saveToFile(const std::string& path) const {
 
 template <int Dim>
 void CSuperRayMapBase<Dim>::loadFromFile(const std::string& path) {
+    loadWithin(path, maxMegabytes_);
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::loadWithin(const std::string& path, std::uint32_t boundMegabytes) {
+    const MapFileLimits limits = limitsWithin(boundMegabytes);
     if (isOctomapFile(path)) {
         if constexpr (Dim == 3) {
             TMapOptions read = options();
             const auto cells = readOctomapCells(path, sensorModel());
             read.creation.resolution = cells->geometry().resolution();
-            return replaceAll(
-                SharedStorage<Dim>::decoded(type_, cells->geometry(), encodeCells(*cells)),
-                read);
+            return replaceAll(SharedStorage<Dim>::decoded(type_, cells->geometry(),
+                                                          encodeCells(*cells), limits),
+                              read, boundMegabytes);
         }
         throw MapFileError(path + ": OctoMap's files hold 3D maps; " + shortClassName() +
                            " can load 2D maps only");
@@ -136,8 +151,8 @@ void CSuperRayMapBase<Dim>::loadFromFile(const std::string& path) {
         throw MapFileError(path + ": " + e.what());
     }
     replaceAll(SharedStorage<Dim>::decoded(type_, CellGeometry<Dim>(read.creation.resolution),
-                                           file.cells),
-               read);
+                                           file.cells, limits),
+               read, boundMegabytes);
 }
 
 template <int Dim>
@@ -165,6 +180,8 @@ template void CSuperRayMapBase<2>::saveToFile(const std::string&) const;
 template void CSuperRayMapBase<3>::saveToFile(const std::string&) const;
 template void CSuperRayMapBase<2>::loadFromFile(const std::string&);
 template void CSuperRayMapBase<3>::loadFromFile(const std::string&);
+template void CSuperRayMapBase<2>::loadWithin(const std::string&, std::uint32_t);
+template void CSuperRayMapBase<3>::loadWithin(const std::string&, std::uint32_t);
 template void CSuperRayMapBase<2>::saveMetricMapRepresentationToFile(const std::string&) const;
 template void CSuperRayMapBase<3>::saveMetricMapRepresentationToFile(const std::string&) const;
 

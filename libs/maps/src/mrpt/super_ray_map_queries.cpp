@@ -102,6 +102,13 @@ void CSuperRayMapBase<Dim>::merge(const mrpt::maps::CMetricMap& other,
     const auto blocks =
         mergedBlocks<Dim>(*storage_, *from->storage_, T_map_other, sensorModel());
     if (blocks.empty()) return;
+    if (maxMegabytes_ != 0)
+        requireRoomFor(
+            [&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
+                for (const auto& block : blocks)
+                    visit({block.key, block.values.data(), block.known});
+            },
+            surface_ ? surface_->memoryBytes() : 0, "this merge");
     changes_.begin();
     view_->forget();
     OccupancyMap<Dim>& map = storage_.writable();

@@ -16,6 +16,7 @@ void visitCreation(O& o, Visit visit) {
     visit("load_from", o.load_from, "native map file to start from");
     visit("lazy_load_path", o.lazy_load_path, "folder of externally stored observations");
     visit("reserve_megabytes", o.reserve_megabytes, "memory to take beforehand");
+    visit("max_memory_megabytes", o.max_memory_megabytes, "bound of its memory, 0: none");
     visit("enableSaveAs3DObject", o.enableSaveAs3DObject, "show this map");
     visit("enableObservationLikelihood", o.enableObservationLikelihood, "use its likelihood");
     visit("enableObservationInsertion", o.enableObservationInsertion, "insert into it");
@@ -45,6 +46,7 @@ void visitInsertion(O& o, Visit visit) {
     visit("clearAtMaxrange", o.clearAtMaxrange, "the cell where maxrange cuts, too");
     visit("heightBandMin", o.heightBandMin, "[m] map frame");
     visit("heightBandMax", o.heightBandMax, "[m] map frame");
+    visit("windowRadius", o.windowRadius, "[m] farther cells are forgotten, 0: none");
     visit("pointStatistics", o.pointStatistics, "surface in the cells, for matching");
 }
 

@@ -14,7 +14,7 @@
 namespace superray {
 namespace {
 
-constexpr std::uint32_t kMostReserved = 1u << 20;  // [MB]: more is a mistake in the unit
+constexpr std::uint32_t kMostMegabytes = 1u << 20;  // more is a mistake in the unit
 
 void require(bool rule, const char* key, double value, const char* text) {
     if (rule) return;
@@ -88,8 +88,13 @@ void TCreationOptions::saveToConfigFile(mrpt::config::CConfigFileBase& target,
 void TCreationOptions::validate() const {
     require(std::isfinite(resolution) && resolution > 0, "resolution", resolution,
             "resolution > 0");
-    require(reserve_megabytes <= kMostReserved, "reserve_megabytes", reserve_megabytes,
+    require(reserve_megabytes <= kMostMegabytes, "reserve_megabytes", reserve_megabytes,
             "reserve_megabytes <= 1048576");
+    require(max_memory_megabytes <= kMostMegabytes, "max_memory_megabytes",
+            max_memory_megabytes, "max_memory_megabytes <= 1048576");
+    require(max_memory_megabytes == 0 || reserve_megabytes <= max_memory_megabytes,
+            "reserve_megabytes", reserve_megabytes,
+            "reserve_megabytes <= max_memory_megabytes");
     if (!lazy_load_path.empty() && !std::filesystem::is_directory(lazy_load_path))
         throw std::invalid_argument("lazy_load_path = " + lazy_load_path +
                                     ": must be a folder that exists");
@@ -124,6 +129,8 @@ void TInsertionOptions::validate() const {
             horizontalTolerance, "0 <= horizontalTolerance <= 90");
     require(heightBandMin < heightBandMax, "heightBandMin", heightBandMin,
             "heightBandMin < heightBandMax");
+    require(std::isfinite(windowRadius) && windowRadius >= 0, "windowRadius", windowRadius,
+            "windowRadius >= 0");
     formatValue(sensorLabel);
 }
 

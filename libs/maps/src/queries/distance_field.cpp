@@ -58,15 +58,18 @@ void DistanceField<Dim>::readAll(const Source& source) {
 template <int Dim>
 void DistanceField<Dim>::readBlock(const Source& source, const BlockKey<Dim>& key) {
     BlockMask<Dim> now;
-    source.map.visitBlock(key, [&](const BlockView<Dim>& block) {
+    const bool known = source.map.visitBlock(key, [&](const BlockView<Dim>& block) {
         now = occupiedCells<Dim>(block, source.occupied);
     });
-    const auto known = occupied_.find(key);
-    BlockMask<Dim> changed = known == occupied_.end() ? BlockMask<Dim>{} : known->second;
+    // Forgotten: nobody is likely to ask there again, and a sliding window leaves many.
+    if (!known)
+        for (Layer* layer : {&near_, &far_}) layer->blocks.erase(key);
+    const auto before = occupied_.find(key);
+    BlockMask<Dim> changed = before == occupied_.end() ? BlockMask<Dim>{} : before->second;
     for (std::size_t w = 0; w < changed.words.size(); ++w) changed.words[w] ^= now.words[w];
     if (!changed.any()) return;
     if (!now.any())
-        occupied_.erase(known);
+        occupied_.erase(before);
     else
         occupied_[key] = now;
     for (Layer* layer : {&near_, &far_}) dropAround(*layer, key, changed);

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <unordered_set>
 #include <vector>
 
 namespace superray {
@@ -44,6 +45,65 @@ std::uint32_t SurfaceStatistics<Dim>::findOrInsert(const Cell<Dim>& cell) {
         patches_.emplace_back();
     }
     return slot.number;
+}
+
+/// The last cell takes its number.
+template <int Dim>
+void SurfaceStatistics<Dim>::remove(std::uint32_t number) {
+    std::size_t hole = position(keyOf(moments_[number].cell));
+    const std::size_t mask = slots_.size() - 1;
+    for (std::size_t i = (hole + 1) & mask; slots_[i].key != kFree; i = (i + 1) & mask)
+        if (((i - home(slots_[i].key)) & mask) >= ((i - hole) & mask)) {
+            slots_[hole] = slots_[i];
+            hole = i;
+        }
+    slots_[hole] = {};
+    if (number + 1 != moments_.size()) {
+        moments_[number] = moments_.back();
+        patches_[number] = patches_.back();
+        slots_[position(keyOf(moments_[number].cell))].number = number;
+    }
+    moments_.pop_back();
+    patches_.pop_back();
+}
+
+template <int Dim>
+void SurfaceStatistics<Dim>::forget(const std::vector<BlockKey<Dim>>& blocks) {
+    if (blocks.size() * kBlockCells<Dim> < moments_.size()) {
+        for (const BlockKey<Dim>& block : blocks)
+            for (int i = 0; i < kBlockCells<Dim>; ++i)
+                if (const auto number = find(cellInBlock<Dim>(block, i)); number != kNone)
+                    remove(number);
+        return;
+    }
+    const std::unordered_set<BlockKey<Dim>, IndexHash> gone(blocks.begin(), blocks.end());
+    for (std::size_t n = moments_.size(); n-- > 0;)
+        if (gone.count(blockOf<Dim>(moments_[n].cell)) != 0)
+            remove(static_cast<std::uint32_t>(n));
+}
+
+template <int Dim>
+std::size_t SurfaceStatistics<Dim>::newCells(const RayBundle<Dim>& rays) const {
+    std::unordered_set<std::uint64_t> cells;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (rays.kind(i) != RayEnd::hit) continue;
+        const Cell<Dim> cell = geometry_.cellOf(rays.end(i));
+        if (find(cell) == kNone) cells.insert(keyOf(cell));
+    }
+    return cells.size();
+}
+
+template <int Dim>
+std::size_t SurfaceStatistics<Dim>::memoryBytesAtMost(std::size_t cells) const {
+    const std::size_t size = moments_.size() + cells;
+    std::size_t slots = slots_.size();
+    while (cells > 0 && 2 * (size + 1) > slots) slots = slots == 0 ? 64 : 2 * slots;
+    const auto grown = [&](std::size_t capacity) {
+        return size <= capacity ? capacity : 2 * size;
+    };
+    return std::max(slots, slots_.capacity()) * sizeof(Slot) +
+           grown(moments_.capacity()) * sizeof(Moments) +
+           grown(patches_.capacity()) * sizeof(SurfacePatch<Dim>);
 }
 
 template <int Dim>

@@ -27,6 +27,9 @@ mrpt::img::TColor onScale(double value, double low, double high) {
         mrpt::img::colormap(mrpt::img::cmJET, static_cast<float>(std::clamp(t, 0.0, 1.0))));
 }
 
+/// Blocks that changed since the last view: with more, reading the whole map costs no more.
+constexpr std::size_t kMostNotes = std::size_t{1} << 18;
+
 template <class Key>
 void sortUnique(std::vector<Key>& keys) {
     std::sort(keys.begin(), keys.end());
@@ -48,12 +51,29 @@ void VoxelView<Dim>::applied(const UpdateBatch<Dim>& batch) {
     if (!built_) return;
     for (std::size_t b = 0; b < batch.blockCount(); ++b)
         note(batch.hits(b) ? hit_ : missed_, batch.key(b));
+    limitNotes();
 }
 
 template <int Dim>
 void VoxelView<Dim>::applied(const CellCountMap<Dim>& counts) {
     if (!built_) return;
     for (const auto& [cell, count] : counts) note(hit_, blockOf<Dim>(cell));
+    limitNotes();
+}
+
+template <int Dim>
+void VoxelView<Dim>::forgotten(const std::vector<BlockKey<Dim>>& keys) {
+    if (!built_) return;
+    for (const Key& key : keys) note(hit_, key);
+    limitNotes();
+}
+
+template <int Dim>
+void VoxelView<Dim>::limitNotes() {
+    if (hit_.size() + missed_.size() <= kMostNotes) return;
+    forget();
+    hit_ = {};
+    missed_ = {};
 }
 
 template <int Dim>
@@ -116,7 +136,8 @@ void VoxelView<Dim>::refresh(const OccupancyMap<Dim>& map, const Style& style) {
         for (const Key& key : missed_)
             if (missesMayShow || blocks_.count(key) != 0) hit_.push_back(key);
         sortUnique(hit_);
-        for (const Key& key : hit_) map.visitBlock(key, read);
+        for (const Key& key : hit_)
+            if (!map.visitBlock(key, read)) blocks_.erase(key);
     }
     built_ = true;
     hit_.clear();

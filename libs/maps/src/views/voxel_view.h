@@ -27,6 +27,8 @@ class VoxelView {
     /// forget() is for.
     void applied(const UpdateBatch<Dim>& batch);
     void applied(const CellCountMap<Dim>& counts);
+    /// Blocks without known cells from now on.
+    void forgotten(const std::vector<BlockKey<Dim>>& keys);
 
     /// Sets VOXEL_SET_OCCUPIED and VOXEL_SET_FREESPACE as the options say; the
     /// caller's own. 2D maps are drawn as cubes centred on z = 0. Safe to call
@@ -58,6 +60,8 @@ class VoxelView {
         bool sameAs(const Style& o) const;
     };
 
+    /// Nobody may draw for long.
+    void limitNotes();
     void refresh(const OccupancyMap<Dim>& map, const Style& style);
     void readBlock(const BlockView<Dim>& view, const CellGeometry<Dim>& geometry);
     /// \param z height of the centre

@@ -5,6 +5,7 @@
 
 #include "values/value_rules.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace superray {
@@ -20,7 +21,19 @@ class BlockTable {
     static constexpr Place kNowhere = ~Place{0};
 
     std::size_t memoryBytes() const {
-        return pages_.capacity() * sizeof(Entry) + values_.capacity() * sizeof(Value);
+        return pages_.capacity() * sizeof(Entry) + values_.capacity() * sizeof(Value) +
+               freePages_.capacity() * sizeof(freePages_[0]);
+    }
+
+    /// The most that memoryBytes() can be after so many pages were made.
+    std::size_t memoryBytesAtMost(std::size_t pages) const {
+        const std::size_t made = pages - std::min(pages, freePages_.size());
+        std::size_t slots = pages_.size();
+        while (4 * (pageCount() + made + 1) > 3 * slots) slots = slots == 0 ? 16 : 2 * slots;
+        const std::size_t values = (pageCount() + made) * kPageBlocks;
+        return (slots > pages_.size() ? slots : pages_.capacity()) * sizeof(Entry) +
+               (values > values_.capacity() ? 2 * values : values_.capacity()) * sizeof(Value) +
+               freePages_.capacity() * sizeof(freePages_[0]);
     }
 
     void clear() { *this = BlockTable(); }
@@ -38,9 +51,7 @@ class BlockTable {
         if (4 * (pageCount() + 1) > 3 * pages_.size()) grow();
         Entry& page = pages_[position(pageOf(key))];
         if (page.key == kFree) {
-            const std::size_t number = pageCount();
-            values_.resize(values_.size() + kPageBlocks);
-            page = {pageOf(key), static_cast<std::uint32_t>(number)};
+            page = {pageOf(key), takePage()};
         }
         return placeIn(page, key);
     }
@@ -64,6 +75,38 @@ class BlockTable {
                 visit(keyOf(page.key, i), values_[page.number * Place{kPageBlocks} + i]);
         }
     }
+    /// The key that blocks of one page have in common: that of the page's lowest block.
+    static BlockKey<Dim> pageKey(const BlockKey<Dim>& key) { return keyOf(pageOf(key), 0); }
+    /// Visits the pages in unspecified order: visit(lowest key, highest key, page).
+    template <typename Visit>
+    void forEachPage(Visit&& visit) const {
+        for (const Entry& page : pages_)
+            if (page.key != kFree)
+                visit(keyOf(page.key, 0), keyOf(page.key, kPageBlocks - 1), page.key);
+    }
+    /// visit(key, place) for every value of a page.
+    template <typename Visit>
+    void forEachPlace(std::uint64_t page, Visit&& visit) const {
+        const Place first = pages_[position(page)].number * Place{kPageBlocks};
+        for (std::uint32_t i = 0; i < kPageBlocks; ++i) visit(keyOf(page, i), first + i);
+    }
+    /// The next page that is made takes the memory of this one. Places in other pages stay
+    /// the same. \pre all values of the page are default ones  \throws std::bad_alloc
+    void removePage(std::uint64_t page) {
+        std::size_t hole = position(page);
+        freePages_.push_back(pages_[hole].number);
+        // Entries that were put off by this one move up, so that no search ends too early.
+        const std::size_t mask = pages_.size() - 1;
+        for (std::size_t i = hole;;) {
+            i = (i + 1) & mask;
+            if (pages_[i].key == kFree) break;
+            if (((i - home(pages_[i].key)) & mask) >= ((i - hole) & mask)) {
+                pages_[hole] = pages_[i];
+                hole = i;
+            }
+        }
+        pages_[hole] = {};
+    }
     /// All of them, without keys.
     const std::vector<Value>& values() const { return values_; }
 
@@ -79,6 +122,7 @@ class BlockTable {
         std::uint32_t number = 0;
     };
 
+    /// Removed ones included.
     std::size_t pageCount() const { return values_.size() / kPageBlocks; }
 
     static std::uint64_t pageOf(const BlockKey<Dim>& key) {
@@ -107,12 +151,28 @@ class BlockTable {
         return key;
     }
 
-    /// Where the page is, or where it would go.
-    std::size_t position(std::uint64_t page) const {
+    /// Number of a page of default values.
+    std::uint32_t takePage() {
+        if (!freePages_.empty()) {
+            const std::uint32_t number = freePages_.back();
+            freePages_.pop_back();
+            return number;
+        }
+        const std::size_t number = pageCount();
+        values_.resize(values_.size() + kPageBlocks);
+        return static_cast<std::uint32_t>(number);
+    }
+
+    /// Where a page goes if nothing is there.
+    std::size_t home(std::uint64_t page) const {
         std::uint64_t h = page * 0x9E3779B97F4A7C15ull;
         h = (h ^ (h >> 32)) * 0xD6E8FEB86659FD93ull;
+        return static_cast<std::size_t>(h >> 32) & (pages_.size() - 1);
+    }
+    /// Where the page is, or where it would go.
+    std::size_t position(std::uint64_t page) const {
         const std::size_t mask = pages_.size() - 1;
-        std::size_t i = static_cast<std::size_t>(h >> 32) & mask;
+        std::size_t i = home(page);
         while (pages_[i].key != kFree && pages_[i].key != page) i = (i + 1) & mask;
         return i;
     }
@@ -126,6 +186,7 @@ class BlockTable {
 
     std::vector<Entry> pages_;  // size 0 or a power of two
     std::vector<Value> values_;
+    std::vector<std::uint32_t> freePages_;  // numbers of removed pages, all values default
 };
 
 }  // namespace superray

@@ -84,6 +84,23 @@ class ChunkedPool {
         return chunks_.size() * kChunk * sizeof(T) + chunks_.capacity() * sizeof(void*) +
                slabs_.capacity() * sizeof(slabs_[0]) + free_.capacity() * sizeof(free_[0]);
     }
+    /// The most that memoryBytes() can be after so many calls of allocate() and release().
+    std::size_t memoryBytesAtMost(std::size_t allocated, std::size_t released) const {
+        std::size_t chunks = chunks_.size(), slabs = slabs_.size();
+        std::size_t room = free_.size() + chunks * kChunk - used_;
+        while (room < allocated) {
+            const std::size_t added = slabSize(chunks);
+            chunks += added;
+            room += added * kChunk;
+            ++slabs;
+        }
+        const auto grown = [](std::size_t size, std::size_t capacity) {
+            return size <= capacity ? capacity : 2 * size;
+        };
+        return chunks * kChunk * sizeof(T) + grown(chunks, chunks_.capacity()) * sizeof(void*) +
+               grown(slabs, slabs_.capacity()) * sizeof(slabs_[0]) +
+               grown(free_.size() + released, free_.capacity()) * sizeof(free_[0]);
+    }
 
  private:
     /// Chunks are allocated several at once: a small request to the allocator costs a page
@@ -101,9 +118,10 @@ class ChunkedPool {
     static constexpr std::size_t kMostChunks = 64;  ///< in a slab
     static constexpr std::size_t kSpare = 128;      ///< of so many chunks, one may be unused
 
-    std::size_t slabSize() const {
-        return std::clamp<std::size_t>(chunks_.size() / kSpare, 1, kMostChunks);
+    static std::size_t slabSize(std::size_t chunks) {
+        return std::clamp<std::size_t>(chunks / kSpare, 1, kMostChunks);
     }
+    std::size_t slabSize() const { return slabSize(chunks_.size()); }
     std::size_t usedChunks() const { return (std::size_t{used_} + kChunk - 1) / kChunk; }
 
     void addSlab(std::size_t chunks) {

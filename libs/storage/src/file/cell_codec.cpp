@@ -165,6 +165,18 @@ std::uint64_t memoryOf(const CellsHeader& h) {
 }
 
 template <int Dim>
+void requireBound(const OccupancyMap<Dim>& map, const MapFileLimits& limits, std::uint64_t read,
+                  std::uint64_t blocks) {
+    const std::size_t held = map.heldBytes();
+    if (held <= limits.heldBytes) return;
+    throw MemoryLimitError(limits.heldBytes, 0, held,
+                           "cells not read: " + std::to_string(read) + " of " +
+                               std::to_string(blocks) + " blocks take " + std::to_string(held) +
+                               " bytes, the bound is " + std::to_string(limits.heldBytes) +
+                               " bytes; raise max_memory_megabytes to keep such a map");
+}
+
+template <int Dim>
 void decodeInto(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& map,
                 const MapFileLimits& limits) {
     const CellsHeader h = decodeHeader(data, size);
@@ -184,6 +196,8 @@ void decodeInto(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& m
         const BlockView<Dim>& block = reader.next();
         known += static_cast<std::uint64_t>(block.known.count());
         map.setBlock(block);
+        // A look takes little, but blocks may be tiny.
+        if (b % 64 == 63 || b + 1 == h.blocks) requireBound(map, limits, b + 1, h.blocks);
     }
     reader.finish(h.rawSize);
     if (known != h.known)

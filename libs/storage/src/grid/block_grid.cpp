@@ -3,6 +3,7 @@
 #include <superray/storage/block_grid.h>
 
 #include "grid/grid_blocks.h"
+#include "grid/grid_growth.h"
 #include "values/fold_layers.h"
 
 #include <algorithm>
@@ -214,6 +215,30 @@ template <int Dim>
 std::size_t BlockGrid<Dim>::memoryBytes() const {
     return sizeof(Impl) + impl_->table.memoryBytes() + impl_->payloads.memoryBytes() +
            impl_->layers.memoryBytes();
+}
+
+template <int Dim>
+void BlockGrid<Dim>::forgetOutside(const BlockWindow<Dim>& window,
+                                   const typename OccupancyMap<Dim>::KeyVisitor& forgotten) {
+    impl_->forgetOutside(window, forgotten);
+}
+
+template <int Dim>
+std::size_t BlockGrid<Dim>::heldBytes() const {
+    return memoryBytes();
+}
+
+template <int Dim>
+std::size_t BlockGrid<Dim>::heldBytesAtMost(std::size_t blocks, unsigned) const {
+    return sizeof(Impl) + grid::memoryBytesAtMost<Dim>(
+                              *impl_, {blocks, blocks, blocks * Payload<Dim>::kLayers, blocks});
+}
+
+template <int Dim>
+std::size_t BlockGrid<Dim>::heldBytesWith(
+    const typename OccupancyMap<Dim>::WrittenBlocks& written) const {
+    return sizeof(Impl) +
+           grid::memoryBytesAtMost<Dim>(*impl_, grid::growthBy<Dim>(*impl_, written));
 }
 
 template <int Dim>

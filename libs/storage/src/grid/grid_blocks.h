@@ -260,6 +260,43 @@ struct Blocks {
         block.payload = kUniform;
     }
 
+    /// Makes all cells of a block unknown. \pre it is not absent
+    void forget(Block& block) {
+        if (block.payload != kUniform) {
+            const Payload<Dim>& p = payloads[block.payload];
+            layers.keepRoomToRelease(p.layers.size());
+            payloads.keepRoomToRelease(1);  // nothing fails from here on
+            for (const std::uint32_t layer : p.layers)
+                if (layer != kNoLayer) layers.release(layer);
+            payloads.release(block.payload);
+        }
+        block = {};
+        --count;
+    }
+
+    void forgetOutside(const BlockWindow<Dim>& window,
+                       const typename OccupancyMap<Dim>::KeyVisitor& forgotten) {
+        using Overlap = typename BlockWindow<Dim>::Overlap;
+        std::vector<std::uint64_t> pages;
+        table.forEachPage(
+            [&](const BlockKey<Dim>& lowest, const BlockKey<Dim>& highest, std::uint64_t page) {
+                if (window.overlap(lowest, highest) != Overlap::whole) pages.push_back(page);
+            });
+        for (const std::uint64_t page : pages) {
+            bool empty = true;
+            table.forEachPlace(page, [&](const BlockKey<Dim>& key, Place place) {
+                if (table[place].payload == kAbsent) return;
+                if (window.holds(key)) {
+                    empty = false;
+                } else {
+                    forget(table[place]);
+                    forgotten(key);
+                }
+            });
+            if (empty) table.removePage(page);
+        }
+    }
+
     void rebuildSaturation(float lowerClamp) {
         for (const Block& block : table.values()) {
             if (block.payload == kUniform || block.payload == kAbsent) continue;

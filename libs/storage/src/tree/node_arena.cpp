@@ -20,14 +20,48 @@ void NodeArena::FreeList::append(FreeList& o) {
     else
         o.last->next = first;
     first = std::exchange(o.first, nullptr);
+    count += std::exchange(o.count, 0);
 }
 
 NodeArena::FreeList NodeArena::FreeList::takeSome(std::size_t n) {
-    FreeList taken{first, first};
-    if (first == nullptr) return taken;
-    for (; n > 1 && taken.last->next != nullptr; --n) taken.last = taken.last->next;
+    if (first == nullptr || n == 0) return {};
+    FreeList taken{first, first, 1};
+    for (; taken.count < n && taken.last->next != nullptr; ++taken.count)
+        taken.last = taken.last->next;
     first = std::exchange(taken.last->next, nullptr);
+    count -= taken.count;
     return taken;
+}
+
+std::size_t NodeArena::chunkSize(std::size_t arenaBytes, std::size_t least) {
+    std::size_t bytes = kFirstChunk;
+    while (bytes < kLastChunk && bytes < arenaBytes) bytes *= 2;
+    while (bytes < least) bytes *= 2;
+    return bytes;
+}
+
+std::size_t NodeArena::chunkBytesAtMost(std::size_t nodes, std::size_t families,
+                                        std::size_t step) const {
+    const auto beyond = [](std::size_t wanted, std::size_t free) {
+        return wanted - std::min(wanted, free);
+    };
+    const std::size_t fresh = beyond(nodes, nodes_.count) * kNodeBytes +
+                              beyond(families, families_.count) * kFamilyBytes;
+    if (nodes == 0 && families == 0) return chunkBytes_;
+    // The last `step` bytes of each range may be left over, for they are too few.
+    const auto usable = [&](std::size_t range) { return beyond(range, step); };
+    std::size_t room = 0, bytes = chunkBytes_;
+    for (const Range& range : ranges_) room += usable(range.size());
+    room += reserved_.size() * usable(kLastChunk);
+    const bool hasRange =
+        !reserved_.empty() || std::any_of(ranges_.begin(), ranges_.end(),
+                                          [&](const Range& r) { return r.size() >= step; });
+    for (bool enough = hasRange && room >= fresh; !enough; enough = room >= fresh) {
+        const std::size_t chunk = chunkSize(bytes, step);
+        bytes += chunk;
+        room += usable(chunk);
+    }
+    return bytes;
 }
 
 NodeArena::Range NodeArena::findChunk(std::size_t least) {
@@ -41,9 +75,7 @@ NodeArena::Range NodeArena::newChunk(std::size_t least) {
     // Of small pages: huge ones save a fifth of an update where the system has them
     // at hand, but on virtual machines whose host must provide them first they take
     // six times as long as small ones, and a tree touches new ones at every scan.
-    std::size_t bytes = kFirstChunk;
-    while (bytes < kLastChunk && bytes < chunkBytes_) bytes *= 2;
-    while (bytes < least) bytes *= 2;
+    const std::size_t bytes = chunkSize(chunkBytes_, least);
     chunks_.emplace_back(new std::byte[bytes]);
     chunkBytes_ += bytes;
     std::byte* const begin = chunks_.back().get();

@@ -39,6 +39,11 @@ class NodeArena {
     std::size_t chunkBytes() const { return chunkBytes_; }
     /// What of that was reserved and no share has taken yet.
     std::size_t reservedBytes() const { return reserved_.size() * kLastChunk; }
+    /// The most that chunkBytes() can be after one share has taken so many nodes and
+    /// families, by calls of Share::reserve(step) before each `step` bytes at most.
+    /// \pre no shares
+    std::size_t chunkBytesAtMost(std::size_t nodes, std::size_t families,
+                                 std::size_t step) const;
 
  private:
     struct Free {
@@ -48,6 +53,7 @@ class NodeArena {
     struct FreeList {
         Free* first = nullptr;
         Free* last = nullptr;  // valid if there is a first
+        std::size_t count = 0;
         void push(void* memory);
         void* pop();
         void append(FreeList& o);          // takes all of o
@@ -58,6 +64,8 @@ class NodeArena {
         std::byte* end = nullptr;
         std::size_t size() const { return static_cast<std::size_t>(end - begin); }
     };
+    /// Size of a new chunk for an arena of so many bytes.
+    static std::size_t chunkSize(std::size_t arenaBytes, std::size_t least);
     Range findChunk(std::size_t least);
     Range newChunk(std::size_t least);
     void noteFree() {
@@ -89,21 +97,21 @@ class NodeArena::Share {
     /// taken without failure.
     void reserve(std::size_t bytes) {
         if (current_.size() < bytes && spare_.size() < bytes) findRoom(bytes);
-        const auto holds = [](const std::atomic<bool>& b) {
-            return b.load(std::memory_order_relaxed);
-        };
-        if ((nodes_.first == nullptr && holds(arena_.freeNodes_)) ||
-            (families_.first == nullptr && holds(arena_.freeFamilies_)))
-            findFree();
     }
     // Uninitialised memory. \pre reserve()
-    void* node() { return nodes_.first ? nodes_.pop() : take(kNodeBytes); }
+    // Released memory is taken first, so that it does not pile up beside new memory.
+    void* node() {
+        return hasFree(nodes_, arena_.freeNodes_) ? nodes_.pop() : take(kNodeBytes);
+    }
     /// Nodes side by side, if that is easy; else nullptr.
     std::byte* nodesInARow(std::size_t n) {
-        if (nodes_.first != nullptr || current_.size() < n * kNodeBytes) return nullptr;
+        if (hasFree(nodes_, arena_.freeNodes_) || current_.size() < n * kNodeBytes)
+            return nullptr;
         return std::exchange(current_.begin, current_.begin + n * kNodeBytes);
     }
-    void* family() { return families_.first ? families_.pop() : take(kFamilyBytes); }
+    void* family() {
+        return hasFree(families_, arena_.freeFamilies_) ? families_.pop() : take(kFamilyBytes);
+    }
     void releaseNode(void* node) { nodes_.push(node); }
     void releaseFamily(void* family) { families_.push(family); }
 
@@ -116,6 +124,11 @@ class NodeArena::Share {
     }
     void useSpare();
     void findRoom(std::size_t bytes);
+    /// Whether a list of this share has memory, after asking the arena for some.
+    bool hasFree(FreeList& mine, const std::atomic<bool>& arenaHas) {
+        if (mine.first == nullptr && arenaHas.load(std::memory_order_relaxed)) findFree();
+        return mine.first != nullptr;
+    }
     void findFree();
 
     NodeArena& arena_;
@@ -128,11 +141,13 @@ inline void NodeArena::FreeList::push(void* memory) {
     Free* const slot = new (memory) Free{first};
     if (first == nullptr) last = slot;
     first = slot;
+    ++count;
 }
 
 inline void* NodeArena::FreeList::pop() {
     Free* const slot = first;
     first = slot->next;
+    --count;
     return slot;
 }
 

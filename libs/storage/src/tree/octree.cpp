@@ -81,6 +81,19 @@ std::size_t Octree::memoryBytes() const {
     return impl_->nodes.memoryUsage() + impl_->nodes.reservedBytes();
 }
 
+void Octree::forgetOutside(const BlockWindow<3>& window, const KeyVisitor& forgotten) {
+    impl_->forgetOutside(window, forgotten);
+}
+std::size_t Octree::heldBytes() const {
+    return impl_->nodes.heldBytes();
+}
+std::size_t Octree::heldBytesAtMost(std::size_t blocks, unsigned threads) const {
+    return impl_->nodes.heldBytesAtMost(blocks, threads);
+}
+std::size_t Octree::heldBytesWith(const WrittenBlocks& written) const {
+    return impl_->nodes.heldBytesWith(impl_->growthBy(written));
+}
+
 BlockSaturation<3> Octree::saturation(const BlockKey<3>& key, float lowerClamp) const {
     return impl_->saturation(key, lowerClamp);
 }

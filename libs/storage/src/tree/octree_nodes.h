@@ -6,10 +6,12 @@
 #include <superray/core/sensor_model.h>
 
 #include "tree/node_arena.h"
+#include "tree/tree_growth.h"
 #include "tree/tree_update.h"
 
 #include <octomap/OcTree.h>
 
+#include <algorithm>
 #include <cstring>
 #include <new>
 #include <type_traits>
@@ -153,6 +155,26 @@ class OcTreeNodes final : public octomap::OcTree {
             share_.releaseFamily(c);
             arenaNode(n)->setChildren(nullptr);
         }
+        /// Removes one child, a leaf. \return whether that was the last: then n is a leaf
+        bool removeChild(Node n, int i) {
+            octomap::AbstractOcTreeNode** const c = arenaNode(n)->children();
+            release(static_cast<Node>(std::exchange(c[i], nullptr)));
+            if (std::any_of(c, c + 8, [](const auto* child) { return child != nullptr; }))
+                return false;
+            share_.releaseFamily(c);
+            arenaNode(n)->setChildren(nullptr);
+            return true;
+        }
+        /// Takes a node without children and parent back.
+        void release(Node n) {
+            share_.releaseNode(n);
+            --made_;
+        }
+        // What TreeForget asks for.
+        void reserveSplit() {
+            share_.reserve(NodeArena::kFamilyBytes + 8 * NodeArena::kNodeBytes);
+        }
+        static void reserveRelease(std::size_t) {}
         void settle(Node n) {
             // As pruneNode() and updateOccupancyChildren(), in one visit.
             const octomap::AbstractOcTreeNode* const* const c = arenaNode(n)->children();
@@ -185,14 +207,16 @@ class OcTreeNodes final : public octomap::OcTree {
             }
         }
 
+        /// Nodes and families of a block and the way to it, at most.
+        static constexpr std::size_t kBlockFamilies = kBlockDepth + 1 + 8 + 64,
+                                     kBlockNodes = 1 + 8 * kBlockFamilies;
+        static constexpr std::size_t kBlockBytes =
+            kBlockNodes * NodeArena::kNodeBytes + kBlockFamilies * NodeArena::kFamilyBytes;
+
      private:
-        static constexpr std::size_t kSiblingsBytes =
-            NodeArena::kFamilyBytes + 8 * NodeArena::kNodeBytes;
         static constexpr std::size_t kWayBytes =
             NodeArena::kNodeBytes +
             kBlockDepth * (NodeArena::kFamilyBytes + NodeArena::kNodeBytes);
-        static constexpr std::size_t kBlockBytes =
-            NodeArena::kNodeBytes + (kBlockDepth + 1 + 8 + 64) * kSiblingsBytes;
 
         octomap::AbstractOcTreeNode** childrenOf(Node n) {
             octomap::AbstractOcTreeNode** c = arenaNode(n)->children();
@@ -222,6 +246,16 @@ class OcTreeNodes final : public octomap::OcTree {
         std::swap(tree_size, o.tree_size);
         arena_.swap(o.arena_);
         size_changed = o.size_changed = true;  // OctoMap's cached bounds
+    }
+
+    std::size_t heldBytes() const { return sizeof *this + arena_.chunkBytes(); }
+    std::size_t heldBytesAtMost(std::size_t blocks, unsigned threads) const {
+        // Each thread, and the one that makes the top, may leave a chunk in part.
+        return heldBytesWith({blocks * Editor::kBlockNodes, blocks * Editor::kBlockFamilies}) +
+               (std::size_t{threads} + 1) * NodeArena::kLastChunk;
+    }
+    std::size_t heldBytesWith(const TreeGrowth& g) const {
+        return sizeof *this + arena_.chunkBytesAtMost(g.nodes, g.families, Editor::kBlockBytes);
     }
 
     void reserve(std::size_t bytes) { arena_.reserve(bytes); }

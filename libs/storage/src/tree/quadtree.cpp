@@ -2,7 +2,10 @@
 #include <superray/storage/quadtree.h>
 
 #include "containers/chunked_pool.h"
+#include "tree/tree_growth.h"
 #include "tree/tree_storage.h"
+
+#include <limits>
 
 namespace superray {
 namespace {
@@ -17,6 +20,8 @@ class QuadNodes {
     static constexpr Node kNull = kNone;
 
     static constexpr bool kParallel = false;  // one pool for all
+    /// At most a family per level of the way, and 1 + 4 + 16 in the block; as many may go.
+    static constexpr std::uint32_t kFamiliesOfBlock = 64;
 
     Node root() const { return root_; }
     void setRoot(Node n) { root_ = n; }
@@ -48,8 +53,6 @@ class QuadNodes {
 
         /// Makes sure that nothing fails until a block and the way to it are made.
         void reserve() {
-            // A family per level of the way, and 1 + 4 + 16 in the block; as many may go.
-            constexpr std::uint32_t kFamiliesOfBlock = 64;
             nodes_.families_.keepRoomToAllocate(kFamiliesOfBlock);
             nodes_.families_.keepRoomToRelease(kFamiliesOfBlock);
         }
@@ -77,6 +80,22 @@ class QuadNodes {
             nodes_.families_.release(nodes_.at(n).children);
             nodes_.at(n).children = kNone;
         }
+        // What TreeForget asks for.
+        void reserveSplit() { nodes_.families_.keepRoomToAllocate(1); }
+        void reserveRelease(std::size_t families) {
+            nodes_.families_.keepRoomToRelease(families + 1);  // and that of the root
+        }
+        /// Removes one child, a leaf. \return whether that was the last: then n is a leaf
+        bool removeChild(Node n, int i) {
+            Family& family = nodes_.families_[nodes_.at(n).children];
+            family.nodes[i].value = std::numeric_limits<float>::quiet_NaN();
+            for (const Record& child : family.nodes)
+                if (child.exists()) return false;
+            removeChildren(n);
+            return true;
+        }
+        /// Takes a node without children and parent back.
+        void release(Node n) { nodes_.families_.release(n / 4); }
         void settle(Node n) {
             const Family& family = nodes_.families_[nodes_.at(n).children];
             bool same = true;
@@ -101,6 +120,12 @@ class QuadNodes {
     };
 
     std::size_t memoryBytes() const { return families_.memoryBytes(); }
+    std::size_t memoryBytesAtMost(const TreeGrowth& g) const {
+        if (g.blocks == 0) return memoryBytes();
+        // Room for one more block is kept. What a block gives back it had or has been given.
+        return families_.memoryBytesAtMost(g.families + kFamiliesOfBlock + 1,
+                                           kFamiliesOfBlock * (g.blocks + 1));
+    }
     void reserve(std::size_t bytes) { families_.reserve(bytes); }
     void clear() {
         families_.clear();
@@ -194,6 +219,20 @@ void Quadtree::reserve(std::size_t bytes) {
 
 std::size_t Quadtree::memoryBytes() const {
     return sizeof(Impl) + impl_->nodes.memoryBytes();
+}
+
+void Quadtree::forgetOutside(const BlockWindow<2>& window, const KeyVisitor& forgotten) {
+    impl_->forgetOutside(window, forgotten);
+}
+std::size_t Quadtree::heldBytes() const {
+    return memoryBytes();
+}
+std::size_t Quadtree::heldBytesAtMost(std::size_t blocks, unsigned) const {
+    const std::size_t families = blocks * QuadNodes::kFamiliesOfBlock;
+    return sizeof(Impl) + impl_->nodes.memoryBytesAtMost({0, families, blocks});
+}
+std::size_t Quadtree::heldBytesWith(const WrittenBlocks& written) const {
+    return sizeof(Impl) + impl_->nodes.memoryBytesAtMost(impl_->growthBy(written));
 }
 
 BlockSaturation<2> Quadtree::saturation(const BlockKey<2>& key, float lowerClamp) const {

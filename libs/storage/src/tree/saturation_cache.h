@@ -49,6 +49,11 @@ class SaturationCache {
     void put(std::uint32_t entry, const BlockSaturation<Dim>& s) {
         young_.entries[entry] = {s.saturatedFree, s.mayExceedUnknown, true};
     }
+    /// The cells of a block are unknown now.
+    void forget(const BlockKey<Dim>& key) {
+        for (Generation* generation : {&young_, &old_})
+            if (Entry* const entry = generation->entry(key)) entry->known = false;
+    }
     float clamp() const { return clamp_; }
 
     void clear() {
@@ -80,6 +85,12 @@ class SaturationCache {
             const std::uint32_t number = table[place].value;
             if (number == kNone || !entries[number].known) return std::nullopt;
             return entries[number].saturation();
+        }
+        /// nullptr: there is none
+        Entry* entry(const BlockKey<Dim>& key) {
+            const auto place = table.find(key);
+            if (place == table.kNowhere || table[place].value == kNone) return nullptr;
+            return &entries[table[place].value];
         }
         std::uint32_t entryOf(const BlockKey<Dim>& key) {
             std::uint32_t& number = table[table.findOrMake(key)].value;

@@ -5,6 +5,8 @@
 
 #include "tree/saturation_cache.h"
 #include "tree/tree_apply.h"
+#include "tree/tree_forget.h"
+#include "tree/tree_growth.h"
 #include "tree/tree_read.h"
 #include "tree/tree_update.h"
 #include "values/saturation_clamp.h"
@@ -93,6 +95,25 @@ class TreeStorage {
         readNode<kBlockBits>(nodes, node, 0, values.data(), known);
         visit({key, values.data(), known});
         return true;
+    }
+
+    void forgetOutside(const BlockWindow<Dim>& window,
+                       const typename OccupancyMap<Dim>::KeyVisitor& forgotten) {
+        try {
+            TreeForget<Nodes>(nodes, window, [&](const BlockKey<Dim>& key) {
+                cache.forget(key);
+                forgotten(key);
+            }).run();
+        } catch (...) {
+            cache.clear();
+            throw;
+        }
+    }
+
+    TreeGrowth growthBy(const typename OccupancyMap<Dim>::WrittenBlocks& written) const {
+        GrowthCount<Nodes> count(nodes);
+        written([&](const BlockView<Dim>& block) { count.add(block); });
+        return count.result();
     }
 
     BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float lowerClamp) const {

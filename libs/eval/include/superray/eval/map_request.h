@@ -20,11 +20,13 @@ struct MapRequest {
     /// one of our maps (`superRayGridMap3D_count = 1`), or the prefix of the
     /// sections of one map (`<section>_creationOpts`, `<section>_insertOpts`, ...).
     std::string section;
-    std::optional<double> resolution;          ///< [m]
-    std::optional<double> maxRange, minRange;  ///< [m]
-    std::optional<std::string> policy;         ///< see updatePolicyFromString()
-    std::optional<std::string> method;         ///< see methodFromString()
-    std::optional<std::string> sensorLabels;   ///< comma-separated
+    std::optional<double> resolution;                 ///< [m]
+    std::optional<double> maxRange, minRange;         ///< [m]
+    std::optional<double> windowRadius;               ///< [m], see TInsertionOptions
+    std::optional<std::uint32_t> maxMemoryMegabytes;  ///< see TCreationOptions
+    std::optional<std::string> policy;                ///< see updatePolicyFromString()
+    std::optional<std::string> method;                ///< see methodFromString()
+    std::optional<std::string> sensorLabels;          ///< comma-separated
     std::optional<std::uint32_t> threads;
 };
 

@@ -124,8 +124,11 @@ class ScanSource {
 ///    headers. The robot is base_link, base_footprint, or the child of an odometry; its poses
 ///    are the root of /tf ("tf map"), topics of poses, odometry topics, and frames between
 ///    ("tf odom", odometry). Sensors are where the transforms say.
-///  - `.pcd`, `.ply`, or a folder of them: a scan each, in the order of their names; names
-///    that are times (seconds, or digits of micro- or nanoseconds) are the scans' times.
+///  - `.pcap`: a network capture of a Velodyne (VLP-16, HDL-32E), a scan a revolution, with
+///    the time of capture; with a poses file, or fixed. Label `VELODYNE`, or, of several
+///    sensors, `VELODYNE_<address>_<port>`, of which one must be chosen.
+///  - `.pcd`, `.ply`, `.las`, or a folder of them: a scan each, in the order of their names.
+///    Names that are times (seconds, or digits of micro- or nanoseconds) are the scans' times.
 ///    Poses are PCD's viewpoints, or a poses file.
 ///  - a folder of the KITTI odometry benchmark: `velodyne/*.bin`, `calib.txt`
 ///    (row `Tr`), `poses.txt` or `poses/NN.txt` here or two levels up (NN: the

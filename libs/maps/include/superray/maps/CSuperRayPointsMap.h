@@ -45,6 +45,9 @@ class CSuperRayPointsMap : public AssignablePointsMap {
     /// As SuperRayMapInterface::loadFromFile(): any .srmap of this dimension.
     void loadFromFile(const std::string& path);
 
+    /// Memory of cells and points [bytes]: what TCreationOptions::max_memory_megabytes bounds.
+    std::size_t heldBytes() const;
+
     /// True if no cell is known.
     bool isEmpty() const override;
     std::string asString() const override;
@@ -87,7 +90,16 @@ class CSuperRayPointsMap : public AssignablePointsMap {
     void assignFrom(const mrpt::maps::CPointsMap& other) override;
 
     void copyAll(const CSuperRayPointsMap& other);
-    void follow(const RayBundle<Dim>& rays, const UpdateBatch<Dim>* batch);
+    void follow(const RayBundle<Dim>& rays, const UpdateBatch<Dim>* batch,
+                const std::vector<BlockKey<Dim>>& forgotten);
+    void forgetBlock(const BlockKey<Dim>& key);
+    // What points take beside the cells [bytes]: those here; at most when so many more
+    // cells, in so many more blocks, become occupied; when blocks are written; for other
+    // cells.
+    std::size_t pointBytes() const;
+    std::size_t pointBytesAtMost(std::size_t points, std::size_t blocks) const;
+    std::size_t pointBytesWith(const typename OccupancyMap<Dim>::WrittenBlocks& written) const;
+    std::size_t pointBytesOf(const OccupancyMap<Dim>& cells, float occupied) const;
     void followBlock(const BlockView<Dim>& block);
     void followAllBlocks();
     void averageEnds(const RayBundle<Dim>& rays);

@@ -69,13 +69,20 @@ class ChangeLog {
     };
     static constexpr Stamp kNever = ~Stamp{0};
     static constexpr std::size_t kSmall = 4096;
+    /// Blocks to keep in mind. A map that slides along meets new ones for ever, and to
+    /// read so many takes as long as to read a map.
+    static constexpr std::size_t kMostBlocks = std::size_t{1} << 18;
 
-    /// Keeps the last entry of each block.
+    /// Keeps the last entry of each block; of very many blocks, the later half.
     void dropOlderEntries() {
         std::unordered_set<BlockKey<Dim>, IndexHash> seen;
         std::vector<Entry> kept;
         for (auto e = entries_.rbegin(); e != entries_.rend(); ++e)
             if (seen.insert(e->key).second) kept.push_back(*e);
+        if (kept.size() > kMostBlocks) {
+            completeSince_ = kept[kMostBlocks / 2].stamp;
+            kept.resize(kMostBlocks / 2);
+        }
         entries_.assign(kept.rbegin(), kept.rend());
         limit_ = kSmall + 4 * entries_.size();
     }

@@ -24,10 +24,11 @@ struct TInsertionReport {
     std::uint64_t withoutPose = 0;  ///< rays measured when no robot pose is known
     /// Rays whose sensor tells when they were measured (with insertObservationAlong()).
     std::uint64_t timedRays = 0;
-    ScanStatistics work;          ///< zero where method = reference
-    double toRaysSeconds = 0;     ///< observation to rays
-    double integrateSeconds = 0;  ///< rays to update batch
-    double applySeconds = 0;      ///< update batch to map
+    std::uint64_t forgottenBlocks = 0;  ///< blocks that windowRadius made unknown again
+    ScanStatistics work;                ///< zero where method = reference
+    double toRaysSeconds = 0;           ///< observation to rays
+    double integrateSeconds = 0;        ///< rays to update batch
+    double applySeconds = 0;            ///< update batch to map
 
     TInsertionReport& operator+=(const TInsertionReport& o) {
         scans += o.scans;
@@ -38,6 +39,7 @@ struct TInsertionReport {
         tilted += o.tilted;
         withoutPose += o.withoutPose;
         timedRays += o.timedRays;
+        forgottenBlocks += o.forgottenBlocks;
         work += o.work;
         toRaysSeconds += o.toRaysSeconds;
         integrateSeconds += o.integrateSeconds;

@@ -33,6 +33,12 @@ struct TCreationOptions : public mrpt::config::CLoadableOptions {
     /// keep up do not wait for it: a quarter of it for the counts of a scan, the rest
     /// for the map. Each copy that is cleared has its own. 0: none.
     std::uint32_t reserve_megabytes = 0;
+    /// [MB], at most 1048576 and at least reserve_megabytes: the memory that cells, point
+    /// statistics and points of a points map may hold together. Before a scan, a merge or
+    /// a file would take the map beyond it, MemoryLimitError is thrown, and the map stays
+    /// as it was. A map that is loaded keeps the tighter one of this bound and its own.
+    /// 0: none. See doc/reliability.md.
+    std::uint32_t max_memory_megabytes = 0;
     bool enableSaveAs3DObject = true;         ///< MRPT: visualisation on
     bool enableObservationLikelihood = true;  ///< MRPT: likelihood on
     bool enableObservationInsertion = true;   ///< MRPT: insertion on
@@ -85,6 +91,10 @@ struct TInsertionOptions : public mrpt::config::CLoadableOptions {
     /// nothing. See doc/exactness.md.
     double heightBandMin = -std::numeric_limits<double>::infinity();
     double heightBandMax = std::numeric_limits<double>::infinity();
+    /// [m], >= 0: after each scan, blocks of 8 cells per axis that are farther from the
+    /// sensor are forgotten: their cells are unknown again. 0: none are. What is within
+    /// this distance always stays. See doc/exactness.md for the exact rule.
+    double windowRadius = 0;
     /// Keep number, mean and covariance of the end points in each cell, so that
     /// matching knows where the surface lies in it (costs time and memory).
     bool pointStatistics = false;

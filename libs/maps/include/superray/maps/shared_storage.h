@@ -29,9 +29,10 @@ class SharedStorage {
     explicit SharedStorage(std::unique_ptr<OccupancyMap<Dim>> map);
 
     /// Contents from encoded() bytes.
-    /// \throws MapFileError
+    /// \throws MapFileError, MemoryLimitError
     static SharedStorage decoded(StorageType type, const CellGeometry<Dim>& geometry,
-                                 const Bytes& bytes);
+                                 const Bytes& bytes,
+                                 const MapFileLimits& limits = MapFileLimits::ofThisMachine());
 
     const OccupancyMap<Dim>& operator*() const { return *held_->map; }
     const OccupancyMap<Dim>* operator->() const { return held_->map.get(); }

@@ -19,6 +19,7 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace superray {
 
@@ -47,6 +48,11 @@ class ObstaclePoints;
 /// totals(), each block of 8 cells per axis is as it was or as the scan makes it, and
 /// whatever is derived from the cells (views, distances, points) agrees with them. To
 /// undo, insert into a copy: copies share their cells until one of them changes.
+///
+/// With a memory bound (TCreationOptions::max_memory_megabytes), a scan, merge, file or
+/// stream that would take the map beyond it throws MemoryLimitError before anything changes.
+/// With TInsertionOptions::windowRadius, what is far from the sensor is forgotten after each
+/// scan.
 ///
 /// Threads: const functions may run beside each other in any number of threads, on one
 /// map or on copies of it. A function that is not const, or writing to the public
@@ -88,6 +94,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     void setResolution(double metres) override;
     CellTotals cellTotals() const override;
     std::optional<MetricBounds> metricBounds() const override;
+    std::size_t heldBytes() const override;
     std::size_t memoryBytes() const override {
         return storage_->memoryBytes() + (surface_ ? surface_->memoryBytes() : 0);
     }
@@ -185,10 +192,29 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     /// On any error throws and leaves the map untouched.
     void readFrom(mrpt::serialization::CArchive& in, std::uint8_t version);
 
+    using BlockKeys = std::vector<BlockKey<Dim>>;
+    using WrittenBlocks = typename OccupancyMap<Dim>::WrittenBlocks;
+
     /// Called after each scan that was applied to the cells. The batch is what was
-    /// applied; null if the scan was counted exactly.
-    virtual void scanApplied(const RayBundle<Dim>& /*rays*/,
-                             const UpdateBatch<Dim>* /*batch*/) {}
+    /// applied; null if the scan was counted exactly. The blocks that the window has then
+    /// forgotten have no known cells any more.
+    virtual void scanApplied(const RayBundle<Dim>& /*rays*/, const UpdateBatch<Dim>* /*batch*/,
+                             const BlockKeys& /*forgotten*/) {}
+
+    /// \throws MemoryLimitError if more is needed [bytes] than a bound allows (0: none)
+    void requireWithin(std::uint32_t boundMegabytes, std::size_t needed,
+                       const char* what) const;
+
+    // What a subclass keeps beside the cells counts for the memory bound, too [bytes]:
+    // now; at most when so many blocks have been written; when these have been; for a map
+    // of other cells.
+    virtual std::size_t companionBytes() const { return 0; }
+    virtual std::size_t companionBytesAtMost(std::size_t /*blocks*/) const { return 0; }
+    virtual std::size_t companionBytesWith(const WrittenBlocks& /*written*/) const { return 0; }
+    virtual std::size_t companionBytesOf(const OccupancyMap<Dim>& /*cells*/,
+                                         float /*occupied*/) const {
+        return 0;
+    }
 
  private:
     void internal_clear() override;
@@ -202,8 +228,19 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
         const mrpt::obs::CObservation& observation) const override;
 
     SharedStorage<Dim> makeEmptyStorage(double resolution) const;
-    /// Takes over what was read; does not throw half-way.
-    void replaceAll(SharedStorage<Dim> storage, const TMapOptions& options);
+    /// Takes over what was read, with the tighter bound of this one and its own; does
+    /// not throw half-way. \throws MemoryLimitError if it is beyond that bound
+    void replaceAll(SharedStorage<Dim> storage, TMapOptions options,
+                    std::uint32_t boundMegabytes);
+    void loadWithin(const std::string& path, std::uint32_t boundMegabytes);
+    /// Before a scan is applied: whether it keeps to the memory bound.
+    /// \return threads to apply it with  \throws MemoryLimitError
+    unsigned requireRoom(const UpdateBatch<Dim>& batch, const RayBundle<Dim>& rays) const;
+    unsigned requireRoom(const CellCountMap<Dim>& counts, const RayBundle<Dim>& rays) const;
+    void requireRoomFor(const WrittenBlocks& written, std::size_t surfaceBytes,
+                        const char* what) const;
+    /// Forgets what is outside windowRadius.
+    BlockKeys slideWindow(const RayBundle<Dim>& rays);
     void assignOptions(const TMapOptions& options);
     /// \return whether it was another, so that there is a new storage, without a reserve
     bool changeResolution(double metres);
@@ -222,12 +259,12 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     enum class HitCells : std::uint8_t { missedToo, notMissed };
     void integrate(const RayBundle<Dim>& rays, TInsertionReport report, HitCells hitCells);
     void applyRays(const RayBundle<Dim>& rays, HitCells hitCells, TInsertionReport& report);
-    void apply(const UpdateBatch<Dim>& batch);
+    void apply(const UpdateBatch<Dim>& batch, unsigned threads);
     void apply(const CellCountMap<Dim>& counts);
     std::shared_ptr<mrpt_viz::COctoMapVoxels> visualization() const;
 
     StorageType type_;
-    std::uint32_t reserveMegabytes_ = 0;
+    std::uint32_t reserveMegabytes_ = 0, maxMegabytes_ = 0;
     SharedStorage<Dim> storage_;
     std::shared_ptr<SurfaceStatistics<Dim>> surface_;  ///< null: none yet
     ScanIntegrator<Dim> integrator_;

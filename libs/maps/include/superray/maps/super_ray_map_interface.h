@@ -38,6 +38,10 @@ class SuperRayMapInterface {
     /// Box around the known cells; nothing if there are none.
     virtual std::optional<MetricBounds> metricBounds() const = 0;
     virtual std::size_t memoryBytes() const = 0;
+    /// Memory [bytes] that TCreationOptions::max_memory_megabytes bounds: that of the cells,
+    /// what is free for cells to come included, of the point statistics, and of what a
+    /// points map keeps per cell.
+    virtual std::size_t heldBytes() const = 0;
     /// Digest of the contents; see contentDigest().
     virtual std::string digest() const = 0;
     virtual SensorModel sensorModel() const = 0;

@@ -3,7 +3,7 @@
 /// \file surface_statistics.h
 /// Where exactly the surface lies in a cell: moments of the end points in it.
 
-#include <superray/core/cell.h>
+#include <superray/core/block.h>
 #include <superray/core/ray_bundle.h>
 
 #include <Eigen/Core>
@@ -46,6 +46,10 @@ class SurfaceStatistics {
     /// Adds the hits of a scan.
     void add(const RayBundle<Dim>& rays);
 
+    /// Removes the cells of some blocks, each given once. Patches beside them stay as they
+    /// are until a point falls in or beside their cells.
+    void forget(const std::vector<BlockKey<Dim>>& blocks);
+
     /// The patch in a cell; nullptr if no end point fell into it.
     const SurfacePatch<Dim>* patch(const Cell<Dim>& cell) const {
         const std::uint32_t number = find(cell);
@@ -55,6 +59,10 @@ class SurfaceStatistics {
     const CellGeometry<Dim>& geometry() const { return geometry_; }
     std::size_t size() const { return moments_.size(); }
     std::size_t memoryBytes() const;
+    /// The most that memoryBytes() can be with so many cells more.
+    std::size_t memoryBytesAtMost(std::size_t cells) const;
+    /// Cells of hits that have no patch yet.
+    std::size_t newCells(const RayBundle<Dim>& rays) const;
 
  private:
     using Matrix = Eigen::Matrix<double, Dim, Dim>;
@@ -84,11 +92,15 @@ class SurfaceStatistics {
             key = (key << 16) | static_cast<std::uint16_t>(cell[a] + kCellLimit);
         return key;
     }
+    /// Where the key goes if nothing is there. \pre !slots_.empty()
+    std::size_t home(std::uint64_t key) const {
+        const std::uint64_t h = (key ^ (key >> 29)) * 0x9E3779B97F4A7C15ull;
+        return static_cast<std::size_t>(h >> 32) & (slots_.size() - 1);
+    }
     /// Where the key is, or where it would go. \pre !slots_.empty()
     std::size_t position(std::uint64_t key) const {
         const std::size_t mask = slots_.size() - 1;
-        const std::uint64_t h = (key ^ (key >> 29)) * 0x9E3779B97F4A7C15ull;
-        std::size_t i = static_cast<std::size_t>(h >> 32) & mask;
+        std::size_t i = home(key);
         while (slots_[i].key != key && slots_[i].key != kFree) i = (i + 1) & mask;
         return i;
     }
@@ -100,6 +112,7 @@ class SurfaceStatistics {
         return slots_[position(keyOf(cell))].number;
     }
     std::uint32_t findOrInsert(const Cell<Dim>& cell);
+    void remove(std::uint32_t number);
     SurfacePatch<Dim> makePatch(const Moments& moments) const;
 
     CellGeometry<Dim> geometry_;

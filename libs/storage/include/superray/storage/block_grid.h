@@ -31,6 +31,12 @@ class BlockGrid final : public OccupancyMap<Dim> {
     bool empty() const override;
     void reserve(std::size_t bytes) override;
     std::size_t memoryBytes() const override;
+    void forgetOutside(const BlockWindow<Dim>& window,
+                       const typename OccupancyMap<Dim>::KeyVisitor& forgotten) override;
+    std::size_t heldBytes() const override;
+    std::size_t heldBytesAtMost(std::size_t blocks, unsigned threads) const override;
+    std::size_t heldBytesWith(
+        const typename OccupancyMap<Dim>::WrittenBlocks& written) const override;
     BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float lowerClamp) const override;
 
  private:

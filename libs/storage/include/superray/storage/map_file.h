@@ -5,9 +5,11 @@
 /// before anything is allocated or replaced; see doc/file_format.md.
 
 #include <superray/storage/map_file_error.h>
+#include <superray/storage/memory_limit_error.h>
 #include <superray/storage/occupancy_map.h>
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,6 +27,8 @@ std::unique_ptr<OccupancyMap<Dim>> makeStorage(StorageType type,
 struct MapFileLimits {
     std::uint64_t fileBytes;  ///< size of a file
     std::uint64_t mapBytes;   ///< memory of the cells, as the counts in the header say
+    /// Memory that the map holds while cells are read into it; more is MemoryLimitError.
+    std::uint64_t heldBytes = std::numeric_limits<std::uint64_t>::max();
 
     /// For each half of the machine's memory or, if the environment variable
     /// SUPERRAY_MAP_MEGABYTES is a whole number, so many MiB.
@@ -43,8 +47,9 @@ struct MapFileHeader {
 /// storage type; the payload of files and of MRPT serialisation.
 template <int Dim>
 std::vector<std::uint8_t> encodeCells(const OccupancyMap<Dim>& map);
-/// Replaces the contents of `map`; on any error throws MapFileError and leaves
-/// it untouched. Sizes are validated before memory is taken.
+/// Replaces the contents of `map`; on any error throws MapFileError (for more memory
+/// than limits.heldBytes: MemoryLimitError) and leaves it untouched. Sizes are validated before
+/// memory is taken.
 template <int Dim>
 void decodeCells(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& map,
                  const MapFileLimits& limits = MapFileLimits::ofThisMachine());

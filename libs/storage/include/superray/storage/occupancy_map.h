@@ -8,6 +8,7 @@
 #include <superray/core/saturation_source.h>
 #include <superray/core/sensor_model.h>
 #include <superray/core/update_batch.h>
+#include <superray/storage/block_window.h>
 
 #include <cmath>
 #include <cstdint>
@@ -35,6 +36,10 @@ template <int Dim>
 class OccupancyMap : public SaturationSource<Dim> {
  public:
     using BlockVisitor = std::function<void(const BlockView<Dim>&)>;
+    using KeyVisitor = std::function<void(const BlockKey<Dim>&)>;
+    /// Calls a visitor with each block that is to be written, once: `known` are the cells
+    /// to be written, `values` their values to come.
+    using WrittenBlocks = std::function<void(const BlockVisitor&)>;
 
     explicit OccupancyMap(const CellGeometry<Dim>& geometry) : geometry_(geometry) {}
 
@@ -94,6 +99,28 @@ class OccupancyMap : public SaturationSource<Dim> {
     virtual void reserve(std::size_t bytes) = 0;
     /// Bytes held by the contents (allocator overhead included as far as known).
     virtual std::size_t memoryBytes() const = 0;
+
+    // --- sliding window and memory bound ------------------------------------
+    /// Makes the cells of all blocks outside a window unknown. Their memory is used again
+    /// by blocks to come. Takes the time of what is at the border of the window or beyond.
+    /// \param forgotten called with each block that had a known cell, after it is gone; in
+    ///        unspecified order
+    /// \throws std::bad_alloc; then each block is whole or gone
+    virtual void forgetOutside(const BlockWindow<Dim>& window, const KeyVisitor& forgotten) = 0;
+
+    /// Bytes taken from the system, those that are free for blocks to come included. Takes
+    /// constant time.
+    virtual std::size_t heldBytes() const = 0;
+    /// The most that heldBytes() can be after an update that writes to so many blocks.
+    virtual std::size_t heldBytesAtMost(std::size_t blocks, unsigned threads) const = 0;
+    /// The most that heldBytes() can be after blocks are written by one thread. Looks at the
+    /// blocks, so it is closer than heldBytesAtMost().
+    virtual std::size_t heldBytesWith(const WrittenBlocks& written) const = 0;
+    /// What apply() would write.
+    void forEachWritten(const UpdateBatch<Dim>& batch, const SensorModel& model,
+                        UpdatePolicy policy, const BlockVisitor& visit) const;
+    void forEachWritten(const CellCountMap<Dim>& counts, const SensorModel& model,
+                        UpdatePolicy policy, const BlockVisitor& visit) const;
 
  protected:
     OccupancyMap(const OccupancyMap&) = default;

@@ -37,6 +37,10 @@ class Octree final : public OccupancyMap<3> {
     bool empty() const override;
     void reserve(std::size_t bytes) override;
     std::size_t memoryBytes() const override;
+    void forgetOutside(const BlockWindow<3>& window, const KeyVisitor& forgotten) override;
+    std::size_t heldBytes() const override;
+    std::size_t heldBytesAtMost(std::size_t blocks, unsigned threads) const override;
+    std::size_t heldBytesWith(const WrittenBlocks& written) const override;
     BlockSaturation<3> saturation(const BlockKey<3>& key, float lowerClamp) const override;
 
  private:

@@ -28,6 +28,10 @@ class Quadtree final : public OccupancyMap<2> {
     bool empty() const override;
     void reserve(std::size_t bytes) override;
     std::size_t memoryBytes() const override;
+    void forgetOutside(const BlockWindow<2>& window, const KeyVisitor& forgotten) override;
+    std::size_t heldBytes() const override;
+    std::size_t heldBytesAtMost(std::size_t blocks, unsigned threads) const override;
+    std::size_t heldBytesWith(const WrittenBlocks& written) const override;
     BlockSaturation<2> saturation(const BlockKey<2>& key, float lowerClamp) const override;
 
  private:

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The memory bound and the sliding window.
+
+#include <superray/core/reference_mapper.h>
+#include <superray/maps/super_ray_map_base.h>
+#include <superray/storage/memory_limit_error.h>
+
+#include <algorithm>
+
+#include "views/voxel_view.h"
+
+namespace superray {
+namespace {
+
+constexpr std::size_t kMebi = std::size_t{1} << 20;
+
+/// E.g. "12.3 MB".
+std::string megabytes(std::size_t bytes) {
+    const std::size_t tenths = (10 * bytes + kMebi / 2) / kMebi;
+    return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " MB";
+}
+
+}  // namespace
+
+template <int Dim>
+std::size_t CSuperRayMapBase<Dim>::heldBytes() const {
+    return storage_->heldBytes() + (surface_ ? surface_->memoryBytes() : 0) + companionBytes();
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::requireWithin(std::uint32_t boundMegabytes, std::size_t needed,
+                                          const char* what) const {
+    const std::size_t limit = boundMegabytes * kMebi;
+    if (boundMegabytes == 0 || needed <= limit) return;
+    const std::size_t held = heldBytes();
+    throw MemoryLimitError(
+        limit, held, needed,
+        shortClassName() + ": " + what + " would take up to " + megabytes(needed) +
+            " of memory; max_memory_megabytes = " + std::to_string(boundMegabytes) +
+            ", the map holds " + megabytes(held) +
+            " and stays as it is. A coarser resolution, a shorter maxrange or a windowRadius "
+            "needs less; or raise the bound");
+}
+
+template <int Dim>
+void CSuperRayMapBase<Dim>::requireRoomFor(const WrittenBlocks& written,
+                                           std::size_t surfaceBytes, const char* what) const {
+    requireWithin(maxMegabytes_,
+                  storage_->heldBytesWith(written) + surfaceBytes + companionBytesWith(written),
+                  what);
+}
+
+namespace {
+
+template <int Dim>
+std::size_t surfaceBytesWith(const SurfaceStatistics<Dim>* surface,
+                             const CellGeometry<Dim>& geometry, const RayBundle<Dim>& rays,
+                             bool exactly) {
+    if (!surface) return SurfaceStatistics<Dim>(geometry).memoryBytesAtMost(rays.size());
+    return surface->memoryBytesAtMost(exactly ? surface->newCells(rays) : rays.size());
+}
+
+}  // namespace
+
+template <int Dim>
+unsigned CSuperRayMapBase<Dim>::requireRoom(const UpdateBatch<Dim>& batch,
+                                            const RayBundle<Dim>& rays) const {
+    const unsigned threads = insertionOptions.threads;
+    if (maxMegabytes_ == 0) return threads;
+    const auto surfaceBytes = [&](bool exactly) {
+        if (!insertionOptions.pointStatistics) return surface_ ? surface_->memoryBytes() : 0;
+        return surfaceBytesWith<Dim>(surface_.get(), storage_->geometry(), rays, exactly);
+    };
+    // Far from the bound, as nearly always, that is soon told.
+    const std::size_t blocks = batch.blockCount();
+    if (storage_->heldBytesAtMost(blocks, threads) + surfaceBytes(false) +
+            companionBytesAtMost(blocks) <=
+        maxMegabytes_ * kMebi)
+        return threads;
+    requireRoomFor(
+        [&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
+            storage_->forEachWritten(batch, sensorModel(), insertionOptions.policy, visit);
+        },
+        surfaceBytes(true), "this scan");
+    return 1;  // what was foretold holds for one thread
+}
+
+template <int Dim>
+unsigned CSuperRayMapBase<Dim>::requireRoom(const CellCountMap<Dim>& counts,
+                                            const RayBundle<Dim>& rays) const {
+    if (maxMegabytes_ != 0)
+        requireRoomFor(
+            [&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
+                storage_->forEachWritten(counts, sensorModel(), insertionOptions.policy, visit);
+            },
+            insertionOptions.pointStatistics
+                ? surfaceBytesWith<Dim>(surface_.get(), storage_->geometry(), rays, true)
+                : (surface_ ? surface_->memoryBytes() : 0),
+            "this scan");
+    return 1;
+}
+
+template <int Dim>
+typename CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(
+    const RayBundle<Dim>& rays) {
+    BlockKeys forgotten;
+    if (insertionOptions.windowRadius <= 0) return forgotten;
+    const CellGeometry<Dim>& geometry = storage_->geometry();
+    const BlockWindow<Dim> window(blockOf<Dim>(geometry.cellOf(rays.commonOrigin())),
+                                  insertionOptions.windowRadius, geometry.resolution());
+    try {
+        storage_.writable().forgetOutside(
+            window, [&](const BlockKey<Dim>& key) { forgotten.push_back(key); });
+        if (forgotten.empty()) return forgotten;
+        for (const BlockKey<Dim>& key : forgotten) changes_.add(key);
+        view_->forgotten(forgotten);
+        if (surface_) {
+            if (surface_.use_count() > 1)  // copies of this map have it too
+                surface_ = std::make_shared<SurfaceStatistics<Dim>>(*surface_);
+            surface_->forget(forgotten);
+        }
+    } catch (...) {
+        surface_.reset();  // no statistics, rather than those of forgotten cells
+        throw;
+    }
+    return forgotten;
+}
+
+#define SUPERRAY_INSTANTIATE(Dim)                                                          \
+    template std::size_t CSuperRayMapBase<Dim>::heldBytes() const;                         \
+    template void CSuperRayMapBase<Dim>::requireWithin(std::uint32_t, std::size_t,         \
+                                                       const char*) const;                 \
+    template void CSuperRayMapBase<Dim>::requireRoomFor(const WrittenBlocks&, std::size_t, \
+                                                        const char*) const;                \
+    template unsigned CSuperRayMapBase<Dim>::requireRoom(const UpdateBatch<Dim>&,          \
+                                                         const RayBundle<Dim>&) const;     \
+    template unsigned CSuperRayMapBase<Dim>::requireRoom(const CellCountMap<Dim>&,         \
+                                                         const RayBundle<Dim>&) const;     \
+    template CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(          \
+        const RayBundle<Dim>&);
+SUPERRAY_INSTANTIATE(2)
+SUPERRAY_INSTANTIATE(3)
+#undef SUPERRAY_INSTANTIATE
+
+}  // namespace superray

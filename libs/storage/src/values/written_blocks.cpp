@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What an update would write, without writing it.
+
+#include <superray/storage/occupancy_map.h>
+
+#include "values/fold_layers.h"
+
+#include <array>
+#include <unordered_map>
+
+namespace superray {
+
+template <int Dim>
+void OccupancyMap<Dim>::forEachWritten(const UpdateBatch<Dim>& batch, const SensorModel& model,
+                                       UpdatePolicy policy, const BlockVisitor& visit) const {
+    constexpr int kLayers = BlockMask<Dim>::kWords;
+    const FoldModel foldModel(model, policy);
+    const FoldVersion& fold = foldForThisCpu();
+    std::array<float, kBlockCells<Dim>> values{};
+    float* layers[kLayers];
+    for (int z = 0; z < kLayers; ++z) layers[z] = values.data() + 64 * z;
+    for (std::size_t b = 0; b < batch.blockCount(); ++b) {
+        const BlockKey<Dim>& key = batch.key(b);
+        const std::uint8_t* const misses = batch.misses(b);
+        const std::uint8_t* const hits = batch.hits(b);
+        BlockMask<Dim> written;
+        fold.touchedCells(kLayers, misses, hits, written.words.data());
+        const auto saturated = this->saturation(key, model.min()).saturatedFree;
+        leaveOutSaturated<Dim>(fold, written, saturated, hits);
+        if (!written.any()) continue;
+        values.fill(0.0f);
+        visitBlock(key, [&](const BlockView<Dim>& block) {
+            for (int i = 0; i < kBlockCells<Dim>; ++i)
+                if (block.known.test(i)) values[static_cast<std::size_t>(i)] = block.values[i];
+        });
+        BlockMask<Dim> known, saturatedThen;  // not asked for
+        fold.foldCounts(foldModel,
+                        {kLayers, layers, written.words.data(), known.words.data(),
+                         saturatedThen.words.data()},
+                        misses, hits);
+        visit({key, values.data(), written});
+    }
+}
+
+template <int Dim>
+void OccupancyMap<Dim>::forEachWritten(const CellCountMap<Dim>& counts,
+                                       const SensorModel& model, UpdatePolicy policy,
+                                       const BlockVisitor& visit) const {
+    struct Written {
+        std::array<float, kBlockCells<Dim>> values;
+        BlockMask<Dim> cells;
+    };
+    std::unordered_map<BlockKey<Dim>, Written, IndexHash> blocks;
+    for (const auto& [cell, n] : counts) {
+        if (n.misses == 0 && n.hits == 0) continue;
+        const std::optional<float> before = logOdds(cell);
+        const float after = model.updated(before.value_or(0.0f), n.misses, n.hits, policy);
+        if (before && *before == after) continue;
+        Written& block = blocks[blockOf<Dim>(cell)];
+        const int i = indexInBlock<Dim>(cell);
+        block.values[static_cast<std::size_t>(i)] = after;
+        block.cells.set(i);
+    }
+    for (const auto& [key, block] : blocks) visit({key, block.values.data(), block.cells});
+}
+
+#define SUPERRAY_INSTANTIATE(Dim)                                                              \
+    template void OccupancyMap<Dim>::forEachWritten(                                           \
+        const UpdateBatch<Dim>&, const SensorModel&, UpdatePolicy, const BlockVisitor&) const; \
+    template void OccupancyMap<Dim>::forEachWritten(                                           \
+        const CellCountMap<Dim>&, const SensorModel&, UpdatePolicy, const BlockVisitor&)       \
+        const;
+SUPERRAY_INSTANTIATE(2)
+SUPERRAY_INSTANTIATE(3)
+#undef SUPERRAY_INSTANTIATE
+
+}  // namespace superray
