@@ -70,6 +70,10 @@ Metadata readMetadata(const fs::path& path) {
     return found;
 }
 
+[[noreturn]] void failMissing(const std::string& where, const std::string& file) {
+    throw InputError(where + ": lists '" + file + "', which is not there");
+}
+
 /// A recording after the other.
 class BagFolder final : public RosRecording {
  public:
@@ -96,7 +100,7 @@ class BagFolder final : public RosRecording {
             const fs::path beside = path / file, inFolder = path / fs::path(file).filename();
             files_.push_back((fs::is_regular_file(beside) ? beside : inFolder).string());
             if (!fs::is_regular_file(files_.back()))  // nor the folder itself
-                throw InputError(where + ": lists '" + file + "', which is not there");
+                failMissing(where, file);
         }
     }
 

@@ -61,7 +61,7 @@ bool FrameChain::isContradicted() const {
 PoseAnswer FrameChain::at(Time time, const PoseLimits& limits) const {
     CPose3D pose;
     for (const FrameLink* link : links) {
-        const PoseAnswer step = link->at(time, limits);
+        PoseAnswer step = link->at(time, limits);
         if (!step.pose) return step;
         pose = *step.pose + pose;
     }
@@ -71,7 +71,7 @@ PoseAnswer FrameChain::at(Time time, const PoseLimits& limits) const {
 PoseAnswer FramePath::at(Time time, const PoseLimits& limits) const {
     PoseAnswer upwards = up.at(time, limits);
     if (down.links.empty() || !upwards.pose) return upwards;
-    const PoseAnswer downwards = down.at(time, limits);
+    PoseAnswer downwards = down.at(time, limits);
     if (!downwards.pose) return downwards;
     upwards.pose = *upwards.pose - *downwards.pose;
     return upwards;

@@ -12,8 +12,6 @@
 namespace superray {
 namespace {
 
-using mrpt::poses::CPose3D;
-
 bool isNamed(const std::string& frame, const std::string& name) {
     return frame == name ||
            (frame.size() > name.size() &&
@@ -87,6 +85,18 @@ std::optional<RobotFrame> mountedOn(const std::string& frame, const RosContents&
                               frame + "' itself (--poses FILE)"));
 }
 
+void noteUnusable(const std::string& topic, const std::string& child, const std::string& robot,
+                  std::string& to) {
+    to += (to.empty() ? "'" : ", '") + topic + "' is of frame '" + child +
+          "', which has no transform to '" + robot + "'";
+}
+
+[[noreturn]] void failContradicted(const std::string& what, const std::string& scanFrame,
+                                   const std::string& robot) {
+    throw InputError(what + ": /tf_static tells different transforms between '" + scanFrame +
+                     "' and '" + robot + "': cut the recording where they change");
+}
+
 void addTopics(const std::map<std::string, TopicPoses>& topics, const FrameTree& frames,
                const std::string& robot, const PoseLimits& limits, PoseStreamsByLabel& to,
                std::string& unusable) {
@@ -94,8 +104,7 @@ void addTopics(const std::map<std::string, TopicPoses>& topics, const FrameTree&
         std::optional<FramePath> path = FramePath{};
         if (!told.child.empty()) path = frames.path(robot, told.child);
         if (!path) {
-            unusable += (unusable.empty() ? "'" : ", '") + topic + "' is of frame '" +
-                        told.child + "', which has no transform to '" + robot + "'";
+            noteUnusable(topic, told.child, robot, unusable);
             continue;
         }
         PoseStream& stream = to[topic];
@@ -136,9 +145,7 @@ RobotFrame chooseRobotFrame(const RosContents& contents, const ScanSourceOptions
         if (!robot) continue;
         for (const auto& [scanFrame, path] : robot->mounts)
             if (path.up.isContradicted() || path.down.isContradicted())
-                throw InputError(what + ": /tf_static tells different transforms between '" +
-                                 scanFrame + "' and '" + frame +
-                                 "': cut the recording where they change");
+                failContradicted(what, scanFrame, frame);
         return *robot;
     }
     failUnmounted(contents, candidates.front(), what);
