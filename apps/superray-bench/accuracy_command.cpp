@@ -3,7 +3,6 @@
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_output.h>
 #include <superray/maps/png_output.h>
-#include <superray/storage/atomic_file.h>
 
 #include <iostream>
 #include <memory>
@@ -44,7 +43,7 @@ Pictures show a layer of the maps over the truth: black kept, red missing, yello
 false, white free. Of recordings, test points tell the truth.
 
 Examples:
-  superray-bench accuracy indoor outdoor --resolutions 0.2,0.4 --json out.json
+  superray-bench accuracy indoor outdoor --resolutions 0.2,0.4 --figures out.json
   superray-bench accuracy drive.rawlog --poses drive.tum --picture street.png
   superray-bench accuracy indoor --pose-noise 0.03,0.17 --engines grid,octomap
   superray-bench accuracy outdoor --engines grid --policies netEvidence \
@@ -56,7 +55,8 @@ struct Arguments {
     AccuracyRequest request;
     std::vector<std::string> policies, models;
     std::vector<double> poseNoise, slice;
-    std::string json, picture;
+    FigureOptions figures;
+    std::string picture;
 };
 
 /// The two values of an option that must have two.
@@ -82,7 +82,7 @@ void finish(Arguments& a) {
         checkPair("--slice", a.slice);
         r.slice = Slice{a.slice[0], a.slice[1]};
     }
-    if (!a.json.empty()) checkOutputPath(a.json, {".json"});
+    checkFigureOptions(a.figures, r.data);
     if (a.picture.empty()) return;
     checkOutputPath(a.picture, {".png"});
     r.pictures = true;
@@ -95,8 +95,7 @@ void finish(Arguments& a) {
 int accuracy(Arguments& a) {
     finish(a);
     const auto tables = runAccuracy(a.request, std::cerr, progressStyle());
-    std::cout << accuracyAsText(a.request, tables);
-    if (!a.json.empty()) writeFileAtomically(a.json, accuracyAsJson(a.request, tables));
+    putFigures(a.figures, accuracyAsText(a.request, tables), accuracyAsJson(a.request, tables));
     if (!a.picture.empty()) writePng(*tables.front().picture, a.picture);
     return kSuccess;
 }
@@ -123,7 +122,7 @@ Command declareAccuracy(CLI::App& app) {
                    "Choice of test points, and pose noise; default 1")
         ->type_name("N");
     addInputOptions(app, r.source, r.worldSeed);
-    app.add_option("--json", a.json, "Write all figures")->type_name("FILE");
+    addFigureOptions(app, a.figures);
     app.add_option("--picture", a.picture, "Draw the maps over the truth (.png)")
         ->type_name("FILE");
     addListOption(app, "--slice", a.slice,

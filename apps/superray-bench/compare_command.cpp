@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/bench_compare.h>
-#include <superray/eval/map_output.h>
 #include <superray/storage/atomic_file.h>
 
 #include <iostream>
@@ -27,7 +26,7 @@ oncePerScan does; octomap's digest may still differ from ours in cells that a
 ray merely grazes.
 
 Examples:
-  superray-bench compare indoor --resolutions 0.1,0.2,0.4 --json indoor.json
+  superray-bench compare indoor --resolutions 0.1,0.2,0.4 --figures indoor.json
   superray-bench compare outdoor --resolutions 0.1 --scans 5 --engines octomap,grid
   superray-bench compare drive.rawlog --engines octomap,grid --threads 1,2
   superray-bench compare room.rawlog --engines grid,grid-perRay,grid-full
@@ -37,7 +36,7 @@ Examples:
 struct Arguments {
     CompareRequest request;
     std::vector<std::string> policies;
-    std::string json;
+    FigureOptions figures;
 };
 
 int compare(Arguments& a) {
@@ -45,11 +44,11 @@ int compare(Arguments& a) {
     if (!a.policies.empty()) a.request.policies.clear();
     for (const std::string& name : a.policies)
         a.request.policies.push_back(updatePolicyFromString(name));
-    if (!a.json.empty()) checkOutputPath(a.json, {".json"});
+    checkFigureOptions(a.figures, a.request.data);
     const auto runs = runCompare(a.request, std::cerr, progressStyle(), [&](const auto& soFar) {
-        if (!a.json.empty()) writeFileAtomically(a.json, runsAsJson(soFar));
+        if (!a.figures.file.empty()) writeFileAtomically(a.figures.file, runsAsJson(soFar));
     });
-    std::cout << runsAsText(runs);
+    putFigures(a.figures, runsAsText(runs), runsAsJson(runs));
     const auto conflicts = digestConflicts(runs);
     for (const std::string& conflict : conflicts)
         std::cerr << "superray-bench: error: " << conflict << std::endl;
@@ -80,7 +79,7 @@ Command declareCompare(CLI::App& app) {
                  "of its own");
     app.add_flag("--unnecessary", a.request.unnecessary,
                  "Count traversals of cells that were saturated free before the scan (slow)");
-    app.add_option("--json", a.json, "Write all figures")->type_name("FILE");
+    addFigureOptions(app, a.figures);
     return [arguments] { return compare(*arguments); };
 }
 

@@ -2,18 +2,36 @@
 #include "input_options.h"
 
 #include <superray/eval/bench_engine.h>
+#include <superray/eval/input_error.h>
+#include <superray/eval/map_output.h>
+#include <superray/maps/option_text.h>
+#include <superray/storage/atomic_file.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <iostream>
 
 namespace superray {
+namespace {
+
+constexpr const char* kFlagGiven = "true";  // what CLI11 takes a flag without a value for
+
+[[noreturn]] void refuseJsonFile(const std::string& file) {
+    throw InputError("--json takes no file, got '" + file +
+                     "': it prints to the standard output; --figures " + file +
+                     " writes all figures");
+}
+
+}  // namespace
 
 const char* const kDataHelp =
     R"(DATA is a simulated world, for which no file is needed, or recorded scans:
   indoor    corridor with rooms, 66 scans of 89,446 points
   outdoor   campus, 81 scans of 247,817 points, ranges to 80 m
   walker    hall with a walker and a box that is taken away, 60 scans of 131,072 points
-  a file    .rawlog, .simplemap, .graph, .pcd, .ply, or a folder (KITTI, RGB-D, clouds);
+  a file    .rawlog, .simplemap, .graph, .bag, .db3, .mcap, .pcd, .ply, .las, .pcap, or
+            a folder (ROS 2, KITTI, RGB-D, clouds);
             'superray-map inspect' tells what is in it
 )";
 
@@ -42,6 +60,27 @@ void addPolicyOption(CLI::App& app, UpdatePolicy& policy) {
            [&policy](const std::string& name) { policy = updatePolicyFromString(name); },
            updatePolicyNames() + "; default " + toString(policy))
         ->type_name("POLICY");
+}
+
+void addFigureOptions(CLI::App& app, FigureOptions& figures) {
+    app.add_flag("--json", figures.json, "One JSON object instead of text");
+    app.add_option("--figures", figures.file, "Write all figures (.json)")->type_name("FILE");
+}
+
+void checkFigureOptions(const FigureOptions& figures, const std::vector<std::string>& data) {
+    if (figures.asJson()) {
+        if (figures.json != kFlagGiven) refuseJsonFile(figures.json);
+        for (const std::string& name : data)
+            if (equalIgnoringCase(std::filesystem::path(name).extension().string(), ".json"))
+                refuseJsonFile(name);
+    }
+    if (!figures.file.empty()) checkOutputPath(figures.file, {".json"});
+}
+
+void putFigures(const FigureOptions& figures, const std::string& text,
+                const std::string& json) {
+    std::cout << (figures.asJson() ? json : text);
+    if (!figures.file.empty()) writeFileAtomically(figures.file, json);
 }
 
 void finishInputOptions(ScanSourceOptions& source) {

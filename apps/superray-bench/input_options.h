@@ -51,6 +51,21 @@ class LoadMeter {
     std::chrono::steady_clock::time_point start_;
 };
 
+/// Where figures go as JSON: --json prints them instead of text, as in all our programs;
+/// --figures FILE writes them beside it.
+struct FigureOptions {
+    std::string json;  ///< empty without --json
+    std::string file;  ///< empty without --figures
+
+    bool asJson() const { return !json.empty(); }
+};
+void addFigureOptions(CLI::App& app, FigureOptions& figures);
+/// \param data what is given as DATA: a file of JSON there is one that earlier versions wrote
+/// \throws InputError if the options cannot be used
+void checkFigureOptions(const FigureOptions& figures, const std::vector<std::string>& data);
+/// Prints text or JSON, and writes the file that is asked for.
+void putFigures(const FigureOptions& figures, const std::string& text, const std::string& json);
+
 /// Poses from a file if one is given.
 void finishInputOptions(ScanSourceOptions& source);
 

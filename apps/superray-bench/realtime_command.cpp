@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <superray/eval/map_output.h>
+#include <superray/eval/input_error.h>
 #include <superray/eval/realtime.h>
-#include <superray/storage/atomic_file.h>
 
 #include <iostream>
 #include <memory>
@@ -40,7 +39,8 @@ Examples:
 
 struct Arguments {
     RealtimeRequest request;
-    std::string json;
+    std::vector<std::string> data;
+    FigureOptions figures;
     bool keepAllPoints = false;
     bool ownModel = false;
 };
@@ -49,10 +49,12 @@ int realtime(Arguments& a) {
     if (a.keepAllPoints) a.request.training = TrainingPoints::all;
     if (a.ownModel) a.request.peerModel = PeerModel::own;
     finishInputOptions(a.request.source);
-    if (!a.json.empty()) checkOutputPath(a.json, {".json"});
+    checkFigureOptions(a.figures, a.data);
+    if (a.data.size() != 1)
+        throw InputError("realtime replays one DATA, got " + std::to_string(a.data.size()));
+    a.request.data = a.data.front();
     const auto runs = runRealtime(a.request, std::cerr, progressStyle());
-    std::cout << realtimeAsText(a.request, runs);
-    if (!a.json.empty()) writeFileAtomically(a.json, realtimeAsJson(a.request, runs));
+    putFigures(a.figures, realtimeAsText(a.request, runs), realtimeAsJson(a.request, runs));
     return kSuccess;
 }
 
@@ -63,7 +65,7 @@ Command declareRealtime(CLI::App& app) {
     auto& a = *arguments;
     a.request.engines = {"octomap", "grid", "octree"};
     app.footer(kDataHelp + std::string("\n") + enginesHelp() + kProtocol);
-    app.add_option("DATA", a.request.data, "Scans")->required()->type_name("DATA");
+    app.add_option("DATA", a.data, "Scans")->required()->type_name("DATA");
     app.add_option("--rate", a.request.rate, "Scans a second; default 10")->type_name("HZ");
     app.add_option("--resolution", a.request.resolution, "Cell edge; default 0.2")
         ->type_name("METRES");
@@ -78,7 +80,7 @@ Command declareRealtime(CLI::App& app) {
     app.add_option("--test-seed", a.request.testSeed, "Choice of test points; default 1")
         ->type_name("N");
     addInputOptions(app, a.request.source, a.request.worldSeed);
-    app.add_option("--json", a.json, "Write all figures")->type_name("FILE");
+    addFigureOptions(app, a.figures);
     return [arguments] { return realtime(*arguments); };
 }
 

@@ -16,13 +16,16 @@ namespace {
 
 constexpr char kExamples[] =
     R"(Inputs: .rawlog (observations, or action/observation pairs), .simplemap,
-OctoMap's .graph, and folders of the KITTI odometry benchmark. Several inputs
-make one map. Poses come from the input unless --poses or --fixed-robot is given.
+OctoMap's .graph, bags of ROS 1 (.bag) and 2 (.db3, .mcap, folders), .pcd, .ply and
+.las (one or a folder), .pcap (Velodyne), folders of KITTI (odometry, raw), MulRan,
+TUM RGB-D and ICL-NUIM. Several inputs make one map. Poses come from the input unless
+--poses or --fixed-robot is given.
 
 Examples:
   superray-map build room.rawlog -o room.srmap --resolution 0.05
   superray-map build sequences/07 -o kitti.srmap --resolution 0.2 --threads 2
   superray-map build log.rawlog -o log.srmap --poses log.tum --sensor HDL64
+  superray-map build drive.bag -o drive.srmap --sensor /points --pose-label "tf map"
   superray-map build one_scan.rawlog -o scan.srmap --fixed-robot
   superray-map build drive.rawlog -o drive.srmap --poses drive.tum --deskew
   superray-map build log.rawlog -o plan.srmap --map CSuperRayGridMap2D

@@ -16,7 +16,7 @@ void addPoseOptions(CLI::App& app, PoseArguments& arguments, ScanSourceOptions& 
         ->excludes(poses);
     app.add_option("--pose-source", arguments.source,
                    "auto (default), poses, odometry, actions, file or fixed: where the robot "
-                   "poses of a .rawlog come from")
+                   "poses of a .rawlog or a bag of ROS come from")
         ->type_name("SOURCE");
     app.add_option("--pose-label", source.poseLabel,
                    "Label of the robot poses or of the odometry to use; two labels, separated "

@@ -69,7 +69,7 @@ set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libsuperray-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
-    "superray (= ${superray_package_version}), libeigen3-dev, liboctomap-dev, libmrpt-dev, libpng-dev, libtbb-dev, zlib1g-dev")
+    "superray (= ${superray_package_version}), libbz2-dev, libeigen3-dev, liblz4-dev, libmrpt-dev, liboctomap-dev, libpng-dev, libsqlite3-dev, libtbb-dev, libzstd-dev, zlib1g-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
     "Development files: headers, static libraries and the CMake package superray.")
 set(CPACK_DEBIAN_DOC_PACKAGE_NAME superray-doc)

@@ -51,7 +51,7 @@ compare() {
         # shellcheck disable=SC2086  # options are several words
         "$program" compare "$input" --resolutions "$resolutions" \
             --scans "${used[$run]:-$scans}" --engines "${engines[$run]}" ${more[$run]:-} \
-            --json "$out/$name-$run.json" >"$out/$name-$run.txt"
+            --figures "$out/$name-$run.json" >"$out/$name-$run.txt"
     done
 }
 
@@ -62,8 +62,8 @@ realtime() {
     local common=(realtime "$input" --rate "$rate" --resolution "$resolution"
         --engines octomap,mrpt-octomap,mrpt-grid3d,grid,octree --threads "$threads")
     ((quick == 0)) || common+=(--scans 3)
-    "$program" "${common[@]}" --json "$out/realtime-$name.json" >"$out/realtime-$name.txt"
-    "$program" "${common[@]}" --keep-all-points --json "$out/realtime-$name-all.json" \
+    "$program" "${common[@]}" --figures "$out/realtime-$name.json" >"$out/realtime-$name.txt"
+    "$program" "${common[@]}" --keep-all-points --figures "$out/realtime-$name-all.json" \
         >"$out/realtime-$name-all.txt"
 }
 

@@ -12,6 +12,7 @@ packages=(
     libeigen3-dev libmrpt-dev liboctomap-dev libcli11-dev nlohmann-json3-dev
     zlib1g-dev libzstd-dev # recordings are compressed
     libpng-dev            # pictures of maps, depth images
+    libbz2-dev liblz4-dev libsqlite3-dev # bags of ROS 1 and 2
     libtbb-dev            # what GCC's parallel algorithms run in
     libgtest-dev libbenchmark-dev
     gnuplot-nox           # plots of superray-bench paper

@@ -37,7 +37,7 @@ TEST(BenchCli, comparesAndWritesJson) {
     const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
     const auto text = runOk(folder, "compare" + in +
                                         "--resolutions 0.2,0.4 --engines octomap,grid,octree "
-                                        "--threads 1,2 --json '" +
+                                        "--threads 1,2 --figures '" +
                                         (folder / "out.json") + "'");
     EXPECT_NE(text.find("small, 0.4 m, 3 scans"), std::string::npos) << text;
     const auto document = nlohmann::json::parse(readWholeFile(folder / "out.json"));
@@ -82,7 +82,7 @@ TEST(BenchCli, replaysInRealTime) {
     const auto json = folder / "out.json";
     const auto text = runOk(folder, "realtime" + in +
                                         "--rate 0.01 --engines grid --threads 1,2 "
-                                        "--keep-all-points --json '" +
+                                        "--keep-all-points --figures '" +
                                         json + "'");
     EXPECT_NE(text.find("all points"), std::string::npos) << text;
     const auto runs = nlohmann::json::parse(readWholeFile(json))["runs"];
@@ -123,6 +123,26 @@ TEST(BenchCli, writesThePapersTables) {
                 "superRayThreshold");
 }
 
+TEST(BenchCli, jsonIsPrintedAsInAllPrograms) {
+    TempFolder folder;
+    const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
+    for (const char* command : {"compare --engines grid", "realtime --engines grid",
+                                "accuracy --engines grid --resolutions 0.4"}) {
+        const auto printed = nlohmann::json::parse(runOk(folder, command + in + "--json"));
+        EXPECT_TRUE(printed.is_object() && !printed.empty()) << command;
+        // As earlier versions took it.
+        for (const char* file : {" out.json", " OUT.JSON"})
+            expectError(folder, command + in + "--json" + file,
+                        "--json takes no file, got '" + std::string(file).substr(1) + "'");
+        expectError(folder, command + in + "--json=out.json", "--figures out.json writes");
+    }
+    // Both at once, as benchmarks.sh wants it.
+    const auto file = folder / "both.json";
+    const auto printed =
+        runOk(folder, "compare --json --engines grid --figures '" + file + "'" + in);
+    EXPECT_EQ(printed, readWholeFile(file));
+}
+
 TEST(BenchKernels, allRunAndCount) {
     TempFolder folder;
     const auto r = runProgram(folder, SUPERRAY_KERNELS_APP,
@@ -154,8 +174,8 @@ TEST(BenchCli, helpTeachesAndErrorsAreOneLine) {
     expectError(folder, "compare" + in + "--resolutions 0", "resolution");
     expectError(folder, "compare" + in + "--threads 0", "threads");
     expectError(folder, "compare" + in + "--scans 0", "at least 1");
-    expectError(folder, "compare" + in + "--json out.txt", "out.txt");
-    expectError(folder, "compare" + in + "--json '" + (folder / "none/out.json") + "'",
+    expectError(folder, "compare" + in + "--figures out.txt", "out.txt");
+    expectError(folder, "compare" + in + "--figures '" + (folder / "none/out.json") + "'",
                 "does not exist");
 }
 

@@ -17,7 +17,7 @@ class BenchmarkTables(ProgramTest):
 
     def bench_json(self, name, *arguments):
         path = self.folder / name
-        self.run_program(self.bench, *arguments, "--scans", "1", "--json", path)
+        self.run_program(self.bench, *arguments, "--scans", "1", "--figures", path)
         return path
 
     def tables(self, *arguments):

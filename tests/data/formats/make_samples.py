@@ -3,11 +3,14 @@
 """Makes the recordings in this folder: make_samples.py FOLDER
 
 They are written by programs that share nothing with this project: PCD and PLY by the Point
-Cloud Library (package pcl-tools), depth images by ImageMagick, the rest by this script.
+Cloud Library (package pcl-tools), depth images by ImageMagick, LAS by laspy (python3-laspy of
+Debian 13), captures by Scapy (python3-scapy) from packets of a Velodyne that mrpt-common
+ships, the rest by this script.
 tests/eval/sources/formats_test.cpp knows the same points and poses, and expects the maps of
 the same scans in a rawlog.
 """
 
+import gzip
 import math
 import pathlib
 import struct
@@ -136,6 +139,66 @@ def rgbd(out):
     (folder / "groundtruth.txt").write_text((out / "poses.tum").read_text())
 
 
+def las(out):
+    """Version 1.2, and 1.4 with the later kind of points; a fourth of the points deleted."""
+    import laspy
+    import numpy
+    for name, version, kind in ("las", "1.2", 1), ("las_1_4", "1.4", 6):
+        (out / name).mkdir()
+        for scan, stamp in enumerate(STAMPS):
+            header = laspy.LasHeader(version=version, point_format=kind)
+            header.scales, header.offsets = [0.0001] * 3, [0.5, -0.25, 0.125]
+            cloud = laspy.LasData(header)
+            kept = numpy.array(points(scan))
+            deleted = kept[::3] * 0.9375
+            cloud.x, cloud.y, cloud.z = numpy.concatenate([kept, deleted]).T
+            cloud.withheld = [0] * len(kept) + [1] * len(deleted)
+            cloud.write(str(out / name / f"{stamp}.las"))
+
+
+PACKET = 1206
+
+
+def velodyne_packets():
+    """Those of the revolution that mrpt-common ships."""
+    data = pathlib.Path("/usr/share/mrpt/datasets/test_velodyne_VLP16.rawlog").read_bytes()
+    if data.startswith(b"\x1f\x8b"):
+        data = gzip.decompress(data)
+    start = data.index(b"\xff\xee")
+    return [data[start + i * PACKET:start + (i + 1) * PACKET] for i in range(75)]
+
+
+def velodyne(out):
+    """Three revolutions of four packets each; and the same with VLAN tags, nanoseconds, the
+    other byte order, no checksums, and packets of other kinds between."""
+    from scapy.all import ARP, IP, TCP, UDP, Dot1Q, Ether, PcapWriter, Raw
+    (out / "velodyne").mkdir()
+    packets = velodyne_packets()
+    address = {"src": "192.168.1.201", "dst": "255.255.255.255"}
+    plain, tagged = [], []
+
+    def put(frames, frame, time):
+        frame.time = time
+        frames.append(frame)
+
+    for scan, stamp in enumerate(STAMPS):
+        for i in range(4):
+            time = float(stamp) + 0.01 * i
+            ether = Ether(src="60:76:88:10:00:01", dst="ff:ff:ff:ff:ff:ff")
+            data = Raw(packets[20 * i + scan])
+            put(plain, ether / IP(**address) / UDP(sport=2368, dport=2368) / data, time)
+            put(tagged, ether / Dot1Q(vlan=7) / IP(**address) /
+                UDP(sport=2368, dport=2368, chksum=0) / data, time)
+            put(tagged, ether / IP(**address) / UDP(sport=8308, dport=8308) / Raw(b"$GPRMC" * 85),
+                time)
+        put(tagged, ether / ARP(pdst="192.168.1.201"), float(stamp) + 0.2)
+        put(tagged, ether / IP(**address) / TCP(dport=2368) / data, float(stamp) + 0.2)
+    for name, frames, options in (("plain.pcap", plain, {"endianness": "<"}),
+                                  ("tagged.pcap", tagged, {"endianness": ">", "nano": True})):
+        with PcapWriter(str(out / "velodyne" / name), linktype=1, **options) as file:
+            file.write(frames)
+
+
 def main():
     out = pathlib.Path(sys.argv[1])
     poses(out)
@@ -144,6 +207,8 @@ def main():
     kitti_raw(out)
     mulran(out)
     rgbd(out)
+    las(out)
+    velodyne(out)
 
 
 if __name__ == "__main__":

@@ -5,76 +5,36 @@
 #include <gtest/gtest.h>
 #include <superray/eval/input_error.h>
 
-#include <filesystem>
+#include <array>
+#include <cstdio>
+#include <deque>
 #include <optional>
-#include <ostream>
 #include <random>
 
-#include "eval/sources/format_samples.h"
+#include "eval/sources/breakable_samples.h"
+#include "eval/sources/broken_bytes.h"
+#include "eval/sources/limited_process.h"
 
 namespace superray {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace test;
-
-/// What of a file that is cut can be seen.
-enum class Cuts {
-    seen,            ///< every cut
-    seenBut16Bytes,  ///< of points without a header: not if whole points are left
-    seenInCounts     ///< of lists: as fewer scans, where whole lines are left
-};
-
-/// A file of a sample that is broken, and how it is read.
-struct Breakable {
-    const char *recording, *file;
-    Cuts cuts;
-};
-
-void PrintTo(const Breakable& b, std::ostream* out) {
-    *out << b.recording << "/" << b.file;
-}
 
 class BrokenFormats : public testing::TestWithParam<Breakable> {
  protected:
-    BrokenFormats() {
-        const std::string name = GetParam().recording;
-        // The poses of those that have none of their own are in the folder, too.
-        fs::copy(sample(name), folder_ / name, fs::copy_options::recursive);
-        fs::copy(sample("poses.tum"), folder_ / name);
-        fs::copy(sample("poses.kitti"), folder_ / name);
-        fs::copy(sample("global_pose.csv"), folder_ / name);
-        input_ = folder_ / name;
-        if (name == "kitti") input_ += "/sequences/07";
-        if (name == "kitti_raw") input_ += "/2011_09_26_drive_0001_sync";
-        if (name == "rgbd") {
-            options_ = sampleCamera();
-        } else if (name.rfind("kitti", 0) != 0) {
-            const bool given = std::string(GetParam().file) == "poses.kitti";
-            options_ = withPoses((folder_ / name) + (given              ? "/poses.kitti"
-                                                     : name == "mulran" ? "/global_pose.csv"
-                                                                        : "/poses.tum"));
-        }
-        whole_ = readWholeFile(folder_ / inFolder());
-        expected_ = build(input_, options_);
-    }
-    static std::string inFolder() {
-        return std::string(GetParam().recording) + "/" + GetParam().file;
-    }
+    BrokenFormats() : copy_(GetParam()), expected_(copy_.buildWith(copy_.whole())) {}
+
     /// Nothing if it is refused, in one line.
     std::optional<Built> buildWith(const std::string& bytes) {
-        folder_.write(inFolder(), bytes);
         try {
-            return build(input_, options_);
+            return copy_.buildWith(bytes);
         } catch (const InputError& e) {
             EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
             return std::nullopt;
         }
     }
 
-    TempFolder folder_;
-    std::string input_, whole_;
-    ScanSourceOptions options_;
+    BreakableCopy copy_;
     Built expected_;
 };
 
@@ -82,13 +42,14 @@ class BrokenFormats : public testing::TestWithParam<Breakable> {
 /// bytes that do not matter), or without what was left out.
 TEST_P(BrokenFormats, truncatedAnywhere) {
     int refused = 0;
+    const std::string& whole = copy_.whole();
     for (std::size_t i = 0; i < 100; ++i) {
-        const std::size_t length = whole_.size() * i / 100;
-        const auto built = buildWith(whole_.substr(0, length));
+        const std::size_t length = whole.size() * i / 100;
+        const auto built = buildWith(whole.substr(0, length));
         refused += !built;
         if (!built || built->digest == expected_.digest) continue;
         const bool isTold =
-            (GetParam().cuts == Cuts::seenBut16Bytes && length % 16 == 0) ||
+            copy_.mayLookWhole(length) ||
             (GetParam().cuts == Cuts::seenInCounts && built->scans < expected_.scans);
         EXPECT_TRUE(isTold) << "silently, at " << length;
     }
@@ -98,8 +59,9 @@ TEST_P(BrokenFormats, truncatedAnywhere) {
 TEST_P(BrokenFormats, randomBytes) {
     std::mt19937 random(7);
     int refused = 0;
+    const std::string& whole = copy_.whole();
     for (int i = 0; i < 100; ++i) {
-        auto broken = whole_;
+        auto broken = whole;
         for (int k = i % 2 == 0 ? 100 : 1; k > 0; --k)
             broken[random() % broken.size()] = static_cast<char>(random());
         refused += !buildWith(broken);
@@ -110,30 +72,78 @@ TEST_P(BrokenFormats, randomBytes) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Samples, BrokenFormats,
-    testing::Values(
-        Breakable{"pcd_ascii", "1000.500000.pcd", Cuts::seen},
-        Breakable{"pcd_binary", "1000.500000.pcd", Cuts::seen},
-        Breakable{"pcd_compressed", "1000.500000.pcd", Cuts::seen},
-        Breakable{"ply_ascii", "1000.500000.ply", Cuts::seen},
-        Breakable{"ply_binary", "1000.500000.ply", Cuts::seen},
-        Breakable{"ply_binary", "poses.tum", Cuts::seenInCounts},
-        Breakable{"ply_binary", "poses.kitti", Cuts::seen},
-        Breakable{"mulran", "global_pose.csv", Cuts::seenInCounts},
-        Breakable{"mulran", "1600001000500000000.bin", Cuts::seenBut16Bytes},
-        Breakable{"rgbd", "depth/1000.500000.png", Cuts::seen},
-        Breakable{"rgbd", "depth.txt", Cuts::seenInCounts},
-        Breakable{"rgbd", "groundtruth.txt", Cuts::seenInCounts},
-        Breakable{"kitti", "sequences/07/calib.txt", Cuts::seen},
-        Breakable{"kitti", "sequences/07/times.txt", Cuts::seen},
-        Breakable{"kitti", "sequences/07/velodyne/000001.bin", Cuts::seenBut16Bytes},
-        Breakable{"kitti", "poses/07.txt", Cuts::seen},
-        Breakable{"kitti_raw", "calib_imu_to_velo.txt", Cuts::seen},
-        Breakable{"kitti_raw", "2011_09_26_drive_0001_sync/velodyne_points/timestamps.txt",
-                  Cuts::seen},
-        Breakable{"kitti_raw", "2011_09_26_drive_0001_sync/oxts/data/0000000001.txt",
-                  Cuts::seen}));
+INSTANTIATE_TEST_SUITE_P(Samples, BrokenFormats, testing::ValuesIn(breakables()));
+
+/// Exit codes of the process that maps a broken file.
+enum : int { kAsWhole = 0, kRefused = 1, kFewerScans = 2, kOtherMap = 3, kOtherError = 4 };
+
+int outcomeOf(const BreakableCopy& copy, const std::string& bytes, const Built& whole) {
+    try {
+        const Built built = copy.buildWith(bytes);
+        if (built.digest == whole.digest) return kAsWhole;
+        return built.scans < whole.scans ? kFewerScans : kOtherMap;
+    } catch (const InputError&) {
+        return kRefused;
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "%s\n", e.what());
+        return kOtherError;
+    }
+}
+
+struct BrokenFile {
+    bool isCut = false;
+    std::string bytes;
+};
+
+/// What is wrong with what became of a broken file; empty if nothing is.
+std::string harmOf(const LimitedRun& run, const BrokenFile& file, const BreakableCopy& copy) {
+    if (!run.harm.empty()) return run.harm;
+    if (run.result == kOtherError) return "an unexpected error";
+    if (file.isCut && run.result == kOtherMap && !copy.mayLookWhole(file.bytes.size()))
+        return "another map of as many scans, from " + std::to_string(file.bytes.size()) +
+               " bytes";
+    return {};
+}
+
+// Half of them are cut, half are changed; with limits of time and memory.
+TEST(ManyBrokenFormats, DoNoHarm) {
+    const auto [count, seed] = orOfEnvironment({500, 19});
+    std::deque<BreakableCopy> samples;
+    std::vector<Built> whole;
+    for (const Breakable& b : breakables()) {
+        samples.emplace_back(b);
+        whole.push_back(samples.back().buildWith(samples.back().whole()));
+    }
+    std::mt19937 random(seed);
+    std::array<int, 5> outcomes{};
+    for (int done = 0; done < count;) {
+        std::vector<BrokenFile> files(samples.size());
+        for (std::size_t n = 0; n < files.size(); ++n) {
+            const std::string& bytes = samples[n].whole();
+            files[n] = {random() % 2 == 0, {}};
+            files[n].bytes = files[n].isCut ? bytes.substr(0, random() % bytes.size())
+                                            : mutated(bytes, random);
+        }
+        const auto runs = runLimited(files.size(), [&](std::size_t n) {
+            return outcomeOf(samples[n], files[n].bytes, whole[n]);
+        });
+        for (std::size_t n = 0; n < files.size(); ++n, ++done) {
+            const std::string harm = harmOf(runs[n], files[n], samples[n]);
+            if (!harm.empty())
+                ADD_FAILURE() << harm << ": " << testing::PrintToString(breakables()[n])
+                              << ", kept in "
+                              << keepBroken("format-" + std::to_string(seed) + "-" +
+                                                std::to_string(done),
+                                            files[n].bytes);
+            if (runs[n].result >= 0) ++outcomes.at(static_cast<std::size_t>(runs[n].result));
+        }
+    }
+    EXPECT_GT(outcomes[kRefused], count / 3);
+    EXPECT_GT(outcomes[kAsWhole] + outcomes[kOtherMap], count / 50);
+    std::printf("%d refused, %d as whole, %d with fewer scans, %d with other values\n",
+                outcomes[kRefused], outcomes[kAsWhole], outcomes[kFewerScans],
+                outcomes[kOtherMap]);
+}
 
 }  // namespace
 }  // namespace superray

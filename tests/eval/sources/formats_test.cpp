@@ -27,8 +27,8 @@ std::string errorOf(const std::string& path, const ScanSourceOptions& options = 
 
 TEST(Formats, pointCloudFilesGiveTheMapOfTheRawlog) {
     const auto expected = expectedDigest();
-    for (const char* name :
-         {"pcd_ascii", "pcd_binary", "pcd_compressed", "ply_ascii", "ply_binary"})
+    for (const char* name : {"pcd_ascii", "pcd_binary", "pcd_compressed", "ply_ascii",
+                             "ply_binary", "las", "las_1_4"})
         for (const char* poses : {"poses.tum", "poses.kitti"}) {
             const auto built = build(sample(name), withPoses(sample(poses)));
             EXPECT_EQ(built.digest, expected) << name << " " << poses;
@@ -118,15 +118,14 @@ TEST(Formats, unknownInputsAreNamedWithTheWayOut) {
     struct Case {
         const char *name, *contents, *advice;
     };
-    for (const Case& c : {Case{"a.bag", "#ROSBAG V2.0\n", "rosbag2rawlog"},
-                          {"b", "#ROSBAG V2.0\n", "a ROS 1 bag"},
-                          {"a.mcap", "\x89MCAP0\r\n", "a ROS 2 bag"},
-                          {"a.db3", "SQLite format 3", "a ROS 2 bag"},
-                          {"a.pcap", "x", "Velodyne capture"},
+    for (const Case& c : {Case{"a.mcap.zstd", "\x28\xb5\x2f\xfd", "'zstd -d'"},
+                          {"capture", "\xd4\xc3\xb2\xa1", "name it .pcap"},
+                          {"scan", "LASF", "name it .las"},
+                          {"a.ply.gz", "\x1f\x8b", "unpack it"},
                           {"run.log", "FLASER 180 ...", "carmen2rawlog"},
                           {"run.clf", "FLASER 180 ...", "carmen2rawlog"},
-                          {"a.LAZ", "LASF", "pdal translate"},
                           {"a.zip", "PK", "unpack it first"},
+                          {"scan.dat.bz2", "BZh9", "unpack it first"},
                           {"a.bt", "# Octomap OcTree binary file", "a map, not a recording"},
                           {"a.tum", "1 2 3", "give them with --poses"},
                           {"cloud", "# .PCD v0.7\n", "name it .pcd"},

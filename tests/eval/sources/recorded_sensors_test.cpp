@@ -12,11 +12,13 @@
 
 #include <filesystem>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "eval/sources/map_of_recording.h"
 #include "eval/sources/room_scans.h"
 #include "eval/temp_folder.h"
+#include "gzip_bytes.h"
 
 namespace superray {
 namespace {
@@ -168,6 +170,31 @@ TEST(RecordedSensors, anUnknownClassIsNamedAndWhatComesBeforeCanBeUsed) {
         const auto built = buildPlan(path, accept);
         EXPECT_EQ(built.report.scans, static_cast<unsigned>(which));
         EXPECT_EQ(built.report.warnings.size(), 1u);
+    }
+}
+
+TEST(RecordedSensors, anUnknownClassIsNamedInCompressedFilesAndInsideFramesToo) {
+    TempFolder folder;
+    ScanSourceOptions accept;
+    accept.truncation = Truncation::accept;
+    // The third sensory frame of a compressed file; then the pose in the third one.
+    const auto packed =
+        folder.write("packed.rawlog", gzip(readWholeFile(withUnknownClass(folder, 2))));
+    std::string bytes = readWholeFile(withUnknownClass(folder, 3));
+    bytes.replace(bytes.find("CSensoryFramX"), 13, "CSensoryFrame");
+    const std::string name = "CObservationRobotPose";
+    std::size_t where = 0;
+    for (int i = 0; i < 3; ++i) where = bytes.find(name, where) + name.size();
+    bytes[where - 1] = 'X';
+    const auto inside = folder.write("inside.rawlog", bytes);
+    for (const auto& [path, unknown] :
+         {std::pair(packed, "CSensoryFramX"), std::pair(inside, "CObservationRobotPosX")}) {
+        const auto message = messageOf<InputError>([&] { buildPlan(path); });
+        expectPart(message, unknown);
+        expectPart(message, "newer MRPT");
+        expectPart(message, "after 2 whole objects, ");
+        expectPart(message, "--accept-truncated");
+        EXPECT_EQ(buildPlan(path, accept).report.scans, 2u);
     }
 }
 

@@ -7,6 +7,8 @@
 #include "inspect/sensor_survey.h"
 #include "sources/object_reader.h"
 #include "sources/poses/pose_chooser.h"
+#include "sources/poses/scan_poses.h"
+#include "sources/ros/robot_frame.h"
 #include "sources/scan_source_formats.h"
 
 namespace superray {
@@ -53,6 +55,56 @@ void surveyRawlog(const std::string& path, RecordingInfo& info) {
                 info.externalFolders.push_back(folder.string());
 }
 
+/// The scans of a recording that was read once, until it ends or cannot be read on.
+void surveyRosScans(const RosContents& contents, const RobotFrame& robot,
+                    const PoseLimits& limits, RosRecording& recording, SensorSurvey& sensors) {
+    while (recording.messages() < contents.messages()) {
+        const auto message = recording.next();
+        if (!message) return;
+        const auto scan = contents.readScan(recording, *message, recording.messages());
+        if (!scan) continue;
+        const auto mount = robot.mounts.find(scan->frame);
+        if (mount != robot.mounts.end())
+            if (const auto there = mount->second.at(scan->observation->timestamp, limits);
+                there.pose) {
+                mrpt::poses::CPose3D T_frame_sensor;
+                scan->observation->getSensorPose(T_frame_sensor);
+                scan->observation->setSensorPose(*there.pose + T_frame_sensor);
+            }
+        sensors.add(*scan->observation);
+    }
+}
+
+void surveyRos(const std::string& path, const ScanSourceOptions& asked, RecordingInfo& info) {
+    ScanSourceOptions options = asked;
+    options.sensorLabel.clear();
+    const PoseLimits limits = poseLimits(options);
+    RosContents contents(options);
+    SensorSurvey sensors(path);
+    try {
+        const auto recording = openRosRecording(path);
+        while (const auto message = recording->next()) contents.add(*recording, *message);
+    } catch (const InputError& e) {
+        info.damage = e.what();
+    }
+    for (const RosTopicCount& t : contents.unusedTopics())
+        info.unusedTopics.push_back({t.name, t.type, t.messages});
+    if (contents.scans().empty()) return;
+    RobotFrame robot;
+    try {
+        robot = chooseRobotFrame(contents, options, path);
+        info.posesFound = PoseChooser::list(robotPoses(contents, robot.name, limits).streams);
+    } catch (const InputError&) {
+        // What a build says of it, too.
+    }
+    try {
+        surveyRosScans(contents, robot, limits, *openRosRecording(path), sensors);
+    } catch (const InputError& e) {
+        if (info.damage.empty()) info.damage = e.what();
+    }
+    info.sensors = sensors.result();
+}
+
 /// Formats that hold scans only: by way of their own reader.
 void surveyScans(const std::string& path, const ScanSourceOptions& asked, RecordingInfo& info) {
     ScanSourceOptions options = asked;
@@ -92,6 +144,8 @@ RecordingInfo inspectRecording(const std::string& path, const ScanSourceOptions&
     info.format = recordingFormat(path);
     if (info.format == kRawlogFormat)
         surveyRawlog(path, info);
+    else if (isRosFormat(info.format))
+        surveyRos(path, options, info);
     else
         surveyScans(path, options, info);
     if (info.sensors.empty() && !info.damage.empty()) throw InputError(info.damage);

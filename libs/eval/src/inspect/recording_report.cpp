@@ -63,6 +63,9 @@ std::string describe(const RecordingInfo& info) {
         out << "actions     " << formatCount(info.actions) << ", of which "
             << formatCount(info.emptyActions) << " tell no movement\n";
     if (!info.posesFound.empty()) out << "has poses   " << info.posesFound << "\n";
+    for (const UnusedTopic& t : info.unusedTopics)
+        out << "not used    '" << t.name << "' " << t.type << ": " << formatCount(t.count)
+            << "\n";
     if (!info.externalFolders.empty()) {
         out << "looked in   ";
         for (std::size_t i = 0; i < info.externalFolders.size(); ++i)
@@ -105,6 +108,9 @@ std::string describeAsJson(const RecordingInfo& info) {
         }
         sensors.push_back(sensor);
     }
+    Json unused = Json::array();
+    for (const UnusedTopic& t : info.unusedTopics)
+        unused.push_back({{"topic", t.name}, {"type", t.type}, {"count", t.count}});
     const Json build{{"possible", info.canBuild},
                      {"problem", info.canBuild ? Json() : Json(info.problem)},
                      {"poses", info.canBuild ? Json(info.poses) : Json()},
@@ -119,6 +125,7 @@ std::string describeAsJson(const RecordingInfo& info) {
                     {"format", info.format},
                     {"sensors", sensors},
                     {"poses", info.posesFound},
+                    {"unused_topics", unused},
                     {"actions", {{"count", info.actions}, {"empty", info.emptyActions}}},
                     {"external_folders", info.externalFolders},
                     {"damage", info.damage.empty() ? Json() : Json(info.damage)},

@@ -28,9 +28,11 @@ std::string readFileBytes(const std::string& path, std::uint64_t most) {
     return bytes;
 }
 
-bool isPadding(const std::string& bytes, std::size_t from) {
-    const auto first = bytes.begin() + static_cast<std::ptrdiff_t>(from);
-    return std::all_of(first, bytes.end(), [](char c) {
+bool isPadding(const std::string& bytes, std::size_t from, std::size_t end) {
+    const auto at = [&](std::size_t i) {
+        return bytes.begin() + static_cast<std::ptrdiff_t>(std::min(i, bytes.size()));
+    };
+    return std::all_of(at(from), at(std::max(from, end)), [](char c) {
         return c == '\0' || c == ' ' || c == '\t' || c == '\r' || c == '\n';
     });
 }

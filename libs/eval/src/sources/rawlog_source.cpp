@@ -135,16 +135,7 @@ class RawlogSource final : public ScanSource {
                 index_.objects = reader.objects();
             }
         } catch (const InputError& e) {
-            const std::string message = std::string(e.what()) + "; scans before it: " +
-                                        std::to_string(index_.recorded.scans.size());
-            const bool isTruncated = dynamic_cast<const TruncatedInputError*>(&e) != nullptr;
-            if (isTruncated && options_.truncation == Truncation::error)
-                throw InputError(message + " (--accept-truncated takes those)");
-            if (!isTruncated && options_.truncation == Truncation::accept)
-                throw InputError(message +
-                                 "; it is damaged, not truncated: nothing of it is certain");
-            if (!isTruncated || index_.recorded.scans.empty()) throw InputError(message);
-            index_.warning = message;
+            index_.warning = acceptBreak(e, index_.recorded.scans.size(), options_);
         }
     }
 

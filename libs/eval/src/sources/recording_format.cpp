@@ -8,6 +8,8 @@
 #include <fstream>
 
 #include "sources/folders/frame_source.h"
+#include "sources/ros/ros_recording.h"
+#include "sources/ros/ros_source.h"
 #include "sources/scan_source_formats.h"
 
 namespace superray {
@@ -26,6 +28,19 @@ bool hasFolder(const fs::path& folder, const char* name) {
     return fs::is_directory(folder / name, error);
 }
 
+/// The first bytes of a file, or fewer.
+std::string startOf(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::string start(16, '\0');
+    file.read(start.data(), static_cast<std::streamsize>(start.size()));
+    start.resize(static_cast<std::size_t>(file.gcount()));
+    return start;
+}
+
+bool beginsWith(const std::string& path, const std::string& magic) {
+    return startOf(path).rfind(magic, 0) == 0;
+}
+
 struct Format {
     const char* name;
     bool (*matches)(const std::string& path, bool isFolder);
@@ -33,7 +48,7 @@ struct Format {
 };
 
 /// The formats in the order they are tried.
-constexpr std::array<Format, 9> kFormats{{
+constexpr std::array<Format, 14> kFormats{{
     {kRawlogFormat,
      [](const std::string& p, bool folder) {
          return !folder && (endsWith(p, ".rawlog") || endsWith(p, ".rawlog.gz"));
@@ -47,9 +62,35 @@ constexpr std::array<Format, 9> kFormats{{
     {"OctoMap scan graph",
      [](const std::string& p, bool folder) { return !folder && endsWith(p, ".graph"); },
      openScanGraph},
-    {"point cloud file (PCD, PLY)",
+    {kRos1Format,
      [](const std::string& p, bool folder) {
-         return !folder && (endsWith(p, ".pcd") || endsWith(p, ".ply"));
+         return !folder && (endsWith(p, ".bag") || endsWith(p, ".bag.active") ||
+                            beginsWith(p, "#ROSBAG V"));
+     },
+     openRos},
+    {kRos2Format,
+     [](const std::string& p, bool folder) {
+         return !folder && (endsWith(p, ".db3") || beginsWith(p, "SQLite format 3"));
+     },
+     openRos},
+    {kMcapFormat,
+     [](const std::string& p, bool folder) {
+         return !folder && (endsWith(p, ".mcap") || beginsWith(p, "\x89MCAP"));
+     },
+     openRos},
+    {kRos2Folder, [](const std::string& p, bool folder) { return folder && isBagFolder(p); },
+     openRos},
+    {"Velodyne capture (pcap)",
+     [](const std::string& p, bool folder) {
+         return !folder &&
+                (endsWith(p, ".pcap") || endsWith(p, ".pcapng") || endsWith(p, ".cap"));
+     },
+     openVelodyneCapture},
+    {"point cloud file (PCD, PLY, LAS)",
+     [](const std::string& p, bool folder) {
+         const auto extensions = cloudExtensions();
+         return !folder && std::any_of(extensions.begin(), extensions.end(),
+                                       [&](const auto& e) { return endsWith(p, e); });
      },
      openClouds},
     {"KITTI raw drive",
@@ -63,9 +104,9 @@ constexpr std::array<Format, 9> kFormats{{
     {"RGB-D folder (TUM, ICL-NUIM)",
      [](const std::string& p, bool folder) { return folder && hasFolder(p, "depth"); },
      [](const std::string& p, const ScanSourceOptions& o) { return openRgbd(p, o); }},
-    {"folder of point clouds (PCD, PLY)",
+    {"folder of point clouds (PCD, PLY, LAS)",
      [](const std::string& p, bool folder) {
-         return folder && !listFrames(p, {".pcd", ".ply"}).empty();
+         return folder && !listFrames(p, cloudExtensions()).empty();
      },
      openClouds},
     {"folder of .bin scans named by time",
@@ -80,22 +121,19 @@ struct Hint {
     const char *extension, *advice;
 };
 
-constexpr std::array<Hint, 19> kHints{{
-    {".bag", "a ROS 1 bag: convert it with MRPT's rosbag2rawlog"},
-    {".db3", "a ROS 2 bag: convert it with mola_input_rosbag2, or play it and record a rawlog"},
-    {".mcap",
-     "a ROS 2 bag: convert it with mola_input_rosbag2, or play it and record a rawlog"},
-    {".pcap", "a Velodyne capture: convert it with MRPT's rawlog-grabber (velodyne.ini)"},
+constexpr std::array<Hint, 17> kHints{{
+    {".db3.zstd", "a ROS 2 bag that is compressed: unpack it by 'zstd -d'"},
+    {".mcap.zstd", "a ROS 2 bag that is compressed: unpack it by 'zstd -d'"},
     {".log", "a log, of CARMEN perhaps: convert it with MRPT's carmen2rawlog"},
     {".clf", "a CARMEN log: convert it with MRPT's carmen2rawlog"},
-    {".las", "a LAS cloud: convert it with 'pdal translate x.las x.ply'"},
-    {".laz", "a LAZ cloud: convert it with 'pdal translate x.laz x.ply'"},
     {".e57", "an E57 cloud: convert it with 'pdal translate x.e57 x.ply'"},
     {".xyz", "a text cloud: convert it with 'pdal translate x.xyz x.ply'"},
     {".zip", "an archive: unpack it first"},
     {".tar", "an archive: unpack it first"},
     {".tgz", "an archive: unpack it first"},
     {".7z", "an archive: unpack it first"},
+    {".bz2", "an archive: unpack it first"},
+    {".xz", "an archive: unpack it first"},
     {".bt", "a map, not a recording: see superray-map info, export and compare"},
     {".ot", "a map, not a recording: see superray-map info, export and compare"},
     {".srmap", "a map, not a recording: see superray-map info, export and compare"},
@@ -106,24 +144,22 @@ constexpr std::array<Hint, 19> kHints{{
 std::string adviceFor(const std::string& path, bool isFolder) {
     if (isFolder)
         return "a folder without scans of a known kind: it has no velodyne/*.bin (KITTI), "
-               "depth/*.png (RGB-D), *.pcd, *.ply or *.bin";
+               "depth/*.png (RGB-D), *.db3 or *.mcap (ROS 2), *.pcd, *.ply, *.las or *.bin";
     for (const Hint& hint : kHints)
         if (endsWith(path, hint.extension) ||
             endsWith(path, hint.extension + std::string(".gz")))
             return hint.advice;
-    std::ifstream file(path, std::ios::binary);
-    std::string start(16, '\0');
-    file.read(start.data(), static_cast<std::streamsize>(start.size()));
-    start.resize(static_cast<std::size_t>(file.gcount()));
+    const std::string start = startOf(path);
     const auto begins = [&](const std::string& magic) { return start.rfind(magic, 0) == 0; };
     if (start.empty()) return "an empty file";
-    if (begins("#ROSBAG")) return kHints[0].advice;
-    if (begins("\x89MCAP")) return kHints[2].advice;
-    if (begins("SQLite format 3")) return kHints[1].advice;
     if (begins("# .PCD") || begins("VERSION") || begins("ply\n"))
         return "a point cloud: name it .pcd or .ply";
     if (begins("\x1f\x8b") || begins("\x28\xb5\x2f\xfd"))
-        return "compressed: a rawlog or simplemap must be named so";
+        return "compressed: unpack it, or name it so if it is a rawlog or simplemap";
+    if (begins("LASF")) return "a LAS cloud: name it .las";
+    for (const char* magic : {"\xd4\xc3\xb2\xa1", "\x4d\x3c\xb2\xa1", "\xa1\xb2\xc3\xd4",
+                              "\xa1\xb2\x3c\x4d", "\x0a\x0d\x0d\x0a"})
+        if (begins(magic)) return "a network capture: name it .pcap";
     const bool isText = std::all_of(start.begin(), start.end(), [](char c) {
         return std::isprint(static_cast<unsigned char>(c)) ||
                std::isspace(static_cast<unsigned char>(c));
@@ -138,12 +174,19 @@ const Format& formatOf(const std::string& path) {
     if (!isFolder) requireRegularFile(path);
     for (const Format& format : kFormats)
         if (format.matches(path, isFolder)) return format;
-    throw InputError(path + ": unknown input; it looks like " + adviceFor(path, isFolder) +
-                     ". Known are .rawlog, .simplemap, .graph (OctoMap), .pcd and .ply, and "
-                     "folders: KITTI odometry and raw, TUM RGB-D, point clouds, .bin scans");
+    throw InputError(
+        path + ": unknown input; it looks like " + adviceFor(path, isFolder) +
+        ". Known are .rawlog, .simplemap, .graph (OctoMap), .bag, .db3 and .mcap "
+        "(ROS), .pcd, .ply, .las, .pcap (Velodyne), and folders: ROS 2 bags, KITTI "
+        "odometry and raw, TUM RGB-D, point clouds, .bin scans");
 }
 
 }  // namespace
+
+bool isRosFormat(const std::string& name) {
+    return name == kRos1Format || name == kRos2Format || name == kMcapFormat ||
+           name == kRos2Folder;
+}
 
 std::string recordingFormat(const std::string& path) {
     return formatOf(path).name;
@@ -155,16 +198,17 @@ std::unique_ptr<ScanSource> openScanSource(const std::string& path,
     if (!(options.maxPoseGap >= 0))
         throw InputError("the longest gap between poses must be at least 0 s");
     const Format& format = formatOf(path);
-    const bool isRawlog = std::string(format.name) == kRawlogFormat;
-    const bool asksRawlog = options.poses != PoseOrigin::input &&
-                            options.poses != PoseOrigin::file &&
-                            options.poses != PoseOrigin::fixed;
-    if (asksRawlog && !isRawlog)
+    const bool hasLabels =
+        std::string(format.name) == kRawlogFormat || isRosFormat(format.name);
+    const bool asksLabelled = options.poses != PoseOrigin::input &&
+                              options.poses != PoseOrigin::file &&
+                              options.poses != PoseOrigin::fixed;
+    if (asksLabelled && !hasLabels)
         throw InputError(path + ": has no choice of poses '" + toString(options.poses) +
-                         "' (rawlogs may have)");
-    if (!options.poseLabel.empty() && !isRawlog)
+                         "' (rawlogs and ROS recordings may have)");
+    if (!options.poseLabel.empty() && !hasLabels)
         throw InputError(path + ": its poses have no labels, so '" + options.poseLabel +
-                         "' is not among them (rawlogs may have)");
+                         "' is not among them (rawlogs and ROS recordings may have)");
     auto source = format.open(path, options);
     source->setMaxPoseGap(options.maxPoseGap);
     return source;

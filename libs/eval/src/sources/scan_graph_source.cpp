@@ -29,6 +29,7 @@ class GraphReader {
         std::error_code error;
         size_ = std::filesystem::file_size(path, error);
         if (!file_ || error) throw InputError(path + ": cannot be opened for reading");
+        refusePoseGraph();
         nodes_ = read<std::uint32_t>();
     }
 
@@ -73,6 +74,19 @@ class GraphReader {
     }
 
  private:
+    /// MRPT and g2o name their text files so, too.
+    void refusePoseGraph() {
+        std::string start(6, '\0');
+        file_.read(start.data(), static_cast<std::streamsize>(start.size()));
+        if (start == "VERTEX" || start.rfind("EDGE", 0) == 0)
+            throw InputError(
+                path_ +
+                ": is a graph of poses (text), and holds no scans; an OctoMap scan "
+                "graph is wanted");
+        file_.clear();
+        file_.seekg(0);
+    }
+
     template <class T>
     T read() {
         T value{};

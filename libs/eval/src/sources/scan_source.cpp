@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdio>
 
+#include "sources/object_reader.h"
 #include "sources/scan_source_formats.h"
 
 namespace superray {
@@ -73,6 +74,19 @@ PoseSummary PoseLookup::summary(Trajectory::Time firstScan,
         summary.setTimes(after(trajectory_.firstTime()), after(trajectory_.lastTime()));
     }
     return summary;
+}
+
+std::string acceptBreak(const InputError& error, std::uint64_t scans,
+                        const ScanSourceOptions& options) {
+    const std::string message =
+        std::string(error.what()) + "; scans before it: " + std::to_string(scans);
+    const bool isTruncated = dynamic_cast<const TruncatedInputError*>(&error) != nullptr;
+    if (isTruncated && options.truncation == Truncation::error)
+        throw InputError(message + " (--accept-truncated takes those)");
+    if (!isTruncated && options.truncation == Truncation::accept)
+        throw InputError(message + "; it is damaged, not truncated: nothing of it is certain");
+    if (!isTruncated || scans == 0) throw InputError(message);
+    return message;
 }
 
 void countWithoutPose(const PoseAnswer& answer, SkippedObservations& skipped) {

@@ -3,16 +3,22 @@
 /// \file scan_source_formats.h
 /// What the readers of the single formats share.
 
+#include <superray/eval/input_error.h>
 #include <superray/eval/scan_source.h>
 #include <superray/eval/trajectory.h>
 
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
 
 namespace superray {
 
 std::unique_ptr<ScanSource> openRawlog(const std::string& path, const ScanSourceOptions&);
 std::unique_ptr<ScanSource> openSimpleMap(const std::string& path, const ScanSourceOptions&);
 std::unique_ptr<ScanSource> openScanGraph(const std::string& path, const ScanSourceOptions&);
+std::unique_ptr<ScanSource> openVelodyneCapture(const std::string& path,
+                                                const ScanSourceOptions&);
 std::unique_ptr<ScanSource> openClouds(const std::string& path, const ScanSourceOptions&);
 std::unique_ptr<ScanSource> openKitti(const std::filesystem::path& folder,
                                       const ScanSourceOptions&);
@@ -23,7 +29,17 @@ std::unique_ptr<ScanSource> openRgbd(const std::filesystem::path& folder,
 std::unique_ptr<ScanSource> openTimedBins(const std::filesystem::path& folder,
                                           const ScanSourceOptions&);
 
+/// Extensions of the files that openClouds() takes, also in a folder.
+std::vector<std::string> cloudExtensions();
+
 inline constexpr const char* kRawlogFormat = "MRPT rawlog";
+inline constexpr const char* kRos1Format = "ROS 1 bag";
+inline constexpr const char* kRos2Format = "ROS 2 bag (SQLite)";
+inline constexpr const char* kMcapFormat = "MCAP (ROS)";
+inline constexpr const char* kRos2Folder = "folder of a ROS 2 bag";
+
+/// True for the names of ROS formats.
+bool isRosFormat(const std::string& name);
 
 /// What an input is, by its name and contents, e.g. kRawlogFormat.
 /// \throws InputError if there is nothing, or nothing that is known: says what it looks
@@ -69,6 +85,13 @@ class PoseLookup {
     PoseLimits limits_;
     Trajectory trajectory_;
 };
+
+/// What to do with an input whose end cannot be read.
+/// \param scans before the break
+/// \return the warning, if the options accept it, and there are any
+/// \throws InputError
+std::string acceptBreak(const InputError& error, std::uint64_t scans,
+                        const ScanSourceOptions& options);
 
 /// Counts a scan that has no pose.
 void countWithoutPose(const PoseAnswer& answer, SkippedObservations& skipped);

@@ -12,15 +12,15 @@ namespace superray {
 
 /// Where robot poses come from.
 enum class PoseOrigin : std::uint8_t {
-    /// Decided by what the input holds. Rawlogs: robot poses if they reach all scans;
+    /// Decided by what the input holds. Rawlogs and ROS: robot poses if they reach all scans;
     /// else odometry or actions, fixed to the map by robot poses if there are any.
     input,
     file,        ///< ScanSourceOptions::posesFile, by time
     fixed,       ///< the robot stays at the map's origin: one scan, or a fixed sensor
-    robotPoses,  ///< CObservationRobotPose of one label (rawlogs)
-    odometry,    ///< CObservationOdometry of one label (rawlogs)
+    robotPoses,  ///< CObservationRobotPose of one label (rawlogs); see openScanSource() (ROS)
+    odometry,    ///< CObservationOdometry of one label (rawlogs); likewise
     actions,     ///< the sum of the actions' mean increments (rawlogs)
-    motion       ///< actions, or odometry: nothing that needs a map (rawlogs)
+    motion       ///< actions, or odometry: nothing that needs a map (rawlogs, ROS)
 };
 
 /// "auto", "file", "fixed", "poses", "odometry", "actions" or "motion".

@@ -33,10 +33,17 @@ struct SensorInfo {
     double rate() const { return last > first ? double(count - 1) / (last - first) : 0; }
 };
 
+/// A topic that no map can be made of.
+struct UnusedTopic {
+    std::string name, type;
+    std::uint64_t count = 0;  ///< messages
+};
+
 struct RecordingInfo {
     std::string path, format;
     std::vector<SensorInfo> sensors;
-    std::string posesFound;  ///< all that there are, by kind and label
+    std::string posesFound;                 ///< all that there are, by kind and label
+    std::vector<UnusedTopic> unusedTopics;  ///< of ROS recordings
     std::uint64_t actions = 0, emptyActions = 0;
     std::vector<std::string> externalFolders;  ///< looked in, if there are external files
     std::string damage;                        ///< why the end cannot be read; else empty
@@ -57,8 +64,8 @@ RecordingInfo inspectRecording(const std::string& path, const ScanSourceOptions&
 std::string describe(const RecordingInfo& info);
 
 /// One JSON object: `file`, `format`, `sensors` [{label, class, count, first, last, rate,
-/// ...}], `poses`, `external_folders`, `damage`, `build` {possible, problem, poses, scans,
-/// left_out}.
+/// ...}], `poses`, `unused_topics` [{topic, type, count}], `external_folders`, `damage`,
+/// `build` {possible, problem, poses, scans, left_out}.
 std::string describeAsJson(const RecordingInfo& info);
 
 }  // namespace superray

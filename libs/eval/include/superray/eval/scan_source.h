@@ -41,7 +41,7 @@ struct DepthCamera {
 struct ScanSourceOptions {
     PoseOrigin poses = PoseOrigin::input;
     std::string posesFile;  ///< with PoseOrigin::file; see Trajectory::load()
-    /// Comma-separated labels of the poses to use (rawlogs): one of a kind; empty: any,
+    /// Comma-separated labels of the poses to use (rawlogs, ROS): one of a kind; empty: any,
     /// if there is only one.
     std::string poseLabel;
     double maxPoseGap = kDefaultPoseGap;  ///< [s] see PoseLimits::maxGap
@@ -119,8 +119,16 @@ class ScanSource {
 ///  - `.simplemap`, `.simplemap.gz`: mean pose of each keyframe.
 ///  - `.graph`: OctoMap's ScanGraph; becomes CObservationPointCloud at the
 ///    node's pose.
-///  - `.pcd`, `.ply`, or a folder of them: a scan each, in the order of their names; names
-///    that are times (seconds, or digits of micro- or nanoseconds) are the scans' times.
+///  - `.bag` (ROS 1), `.db3` (ROS 2), `.mcap`, or a folder of ROS 2: PointCloud2, LaserScan,
+///    and depth images with CameraInfo; labels are topics. Time stamps are those of the
+///    headers. The robot is base_link, base_footprint, or the child of an odometry; its poses
+///    are the root of /tf ("tf map"), topics of poses, odometry topics, and frames between
+///    ("tf odom", odometry). Sensors are where the transforms say.
+///  - `.pcap`: a network capture of a Velodyne (VLP-16, HDL-32E), a scan a revolution, with
+///    the time of capture; with a poses file, or fixed. Label `VELODYNE`, or, of several
+///    sensors, `VELODYNE_<address>_<port>`, of which one must be chosen.
+///  - `.pcd`, `.ply`, `.las`, or a folder of them: a scan each, in the order of their names.
+///    Names that are times (seconds, or digits of micro- or nanoseconds) are the scans' times.
 ///    Poses are PCD's viewpoints, or a poses file.
 ///  - a folder of the KITTI odometry benchmark: `velodyne/*.bin`, `calib.txt`
 ///    (row `Tr`), `poses.txt` or `poses/NN.txt` here or two levels up (NN: the

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file cloud_files.h
-/// Point clouds in files: PCD and PLY.
+/// Point clouds in files: PCD, PLY and LAS.
 
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/poses/CPose3D.h>
@@ -24,5 +24,14 @@ std::optional<mrpt::poses::CPose3D> readPcdViewpoint(const std::string& path);
 /// Points of a PLY file: ascii, or binary of either byte order; element vertex with x, y, z of
 /// any type. \throws InputError likewise
 mrpt::maps::CSimplePointsMap::Ptr readPly(const std::string& path);
+
+/// Points of a LAS file, versions 1.0 to 1.4, point formats 0 to 10; points that are flagged
+/// as withheld (deleted) are left out. Coordinates are in the frame of the sensor [m], at most
+/// 16 km from it.
+/// \throws InputError likewise; also if the box in the header does not hold the points
+mrpt::maps::CSimplePointsMap::Ptr readLas(const std::string& path);
+
+/// The error of compressed LAS, which no library that all releases have reads.
+[[noreturn]] void throwIsLaz(const std::string& path);
 
 }  // namespace superray

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One PCD or PLY file, or a folder of them, a scan each.
+// One PCD, PLY or LAS file, or a folder of them, a scan each.
 
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <superray/eval/input_error.h>
@@ -13,15 +13,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool isPly(const fs::path& path) {
-    return equalIgnoringCase(path.extension().string(), ".ply");
+bool is(const char* extension, const fs::path& path) {
+    return equalIgnoringCase(path.extension().string(), extension);
 }
 
 mrpt::maps::CSimplePointsMap::Ptr readCloud(const fs::path& path) {
-    return isPly(path) ? readPly(path.string()) : readPcd(path.string());
+    if (is(".ply", path)) return readPly(path.string());
+    if (is(".las", path)) return readLas(path.string());
+    return readPcd(path.string());
 }
 
 }  // namespace
+
+std::vector<std::string> cloudExtensions() {
+    return {".pcd", ".ply", ".las", ".laz"};
+}
 
 std::unique_ptr<ScanSource> openClouds(const std::string& path,
                                        const ScanSourceOptions& options) {
@@ -29,14 +35,15 @@ std::unique_ptr<ScanSource> openClouds(const std::string& path,
     recording.path = path;
     recording.label = "CLOUD";
     std::vector<fs::path> files = {path};
-    if (fs::is_directory(path)) files = listFrames(path, {".pcd", ".ply"});
+    if (fs::is_directory(path)) files = listFrames(path, cloudExtensions());
     if (files.empty()) throwNoScans(path, options, {});
     std::uint64_t viewpoints = 0;
     for (const auto& file : files) {
+        if (is(".laz", file)) throwIsLaz(file.string());
         Frame frame;
         frame.file = file;
         frame.time = timeOfName(file.stem().string()).value_or(Trajectory::Time());
-        if (options.poses == PoseOrigin::input && !isPly(file))
+        if (options.poses == PoseOrigin::input && is(".pcd", file))
             frame.T_map_robot = readPcdViewpoint(file.string());
         viewpoints += frame.T_map_robot.has_value();
         recording.frames.push_back(frame);

@@ -46,6 +46,7 @@ class FrameSource final : public ScanSource {
     std::uint64_t total() const override { return recording_.frames.size(); }
     SkippedObservations skipped() const override { return skipped_; }
     PoseSummary poses() const override { return summary_; }
+    std::string warning() const override { return recording_.warning; }
     const PoseTrack* trajectory() const override { return track_.empty() ? nullptr : &track_; }
 
     std::optional<Scan> next() override {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// \file frame_source.h
-/// Recordings that keep each scan in a file of its own, in the order of their names or
-/// times: what all of them share.
+/// Recordings that hold scans and no poses by time, as a file each or several in one: what
+/// all of them share.
 
 #include <superray/eval/scan_source.h>
 
@@ -21,6 +21,7 @@ struct Frame {
     std::filesystem::path file;
     Trajectory::Time time;  ///< mrpt::Clock::time_point() if the recording does not tell
     std::optional<mrpt::poses::CPose3D> T_map_robot;  ///< what the recording itself says
+    std::size_t number = 0;                           ///< for read(), of files of many frames
 };
 
 /// The frames of a recording, and how to read them.
@@ -28,6 +29,7 @@ struct FrameRecording {
     std::string path, label;
     std::vector<Frame> frames;  ///< in the order of the recording, not empty
     PoseSummary ownPoses;       ///< of T_map_robot, without times
+    std::string warning;        ///< see ScanSource::warning()
     /// Reads the points or the image of a frame; the rest is filled in. \throws InputError
     std::function<mrpt::obs::CObservation::Ptr(const Frame&)> read;
     bool guarded = false;  ///< read() lets another library decode: see ReadGuard

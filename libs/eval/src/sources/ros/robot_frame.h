@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+/// \file robot_frame.h
+/// The frame of a ROS recording that is the robot, its poses, and where sensors are on it.
+
+#include <superray/eval/scan_source.h>
+
+#include <map>
+#include <string>
+
+#include "sources/poses/pose_streams.h"
+#include "sources/ros/ros_contents.h"
+
+namespace superray {
+
+/// The robot's frame, and the way to it from the frame of every scan.
+struct RobotFrame {
+    std::string name;
+    std::map<std::string, FramePath> mounts;  ///< by the frame of the scans
+};
+
+/// The first of these that all scans have transforms to: base_link, base_footprint (or such
+/// in a namespace), the child frame of an odometry. Where none is told, or the poses are
+/// not from the recording: the top of /tf_static above the scans.
+/// \throws InputError naming the frames, if there is none
+RobotFrame chooseRobotFrame(const RosContents& contents, const ScanSourceOptions& options,
+                            const std::string& what);
+
+/// Poses that a recording has.
+struct RosPoses {
+    PoseStreams streams;
+    std::string unusable;  ///< in words; empty: nothing
+};
+
+/// All poses of the robot's frame. Labels of robot poses: topics of poses, and "tf FRAME" for
+/// the root of the moving transforms. Labels of odometry: topics, and "tf FRAME" for frames
+/// between root and robot that no odometry topic tells.
+RosPoses robotPoses(const RosContents& contents, const std::string& robotFrame,
+                    const PoseLimits& limits);
+
+}  // namespace superray

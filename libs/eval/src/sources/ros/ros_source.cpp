@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scans of ROS recordings: a first pass reads transforms and poses, a second one the scans.
+
+#include "sources/ros/ros_source.h"
+
+#include <superray/eval/input_error.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "sources/poses/scan_poses.h"
+#include "sources/ros/robot_frame.h"
+#include "sources/ros/ros_contents.h"
+#include "sources/scan_source_formats.h"
+
+namespace superray {
+namespace {
+
+class RosSource final : public ScanSource {
+ public:
+    RosSource(const std::string& path, const ScanSourceOptions& options)
+        : path_(path), options_(options), contents_(options) {
+        readContents();
+        if (contents_.scans().empty()) failWithoutScans();
+        robot_ = chooseRobotFrame(contents_, options_, path_);
+        givePoses();
+        recording_ = openRosRecording(path_, FileState::whole);
+    }
+
+    std::uint64_t total() const override { return total_; }
+    SkippedObservations skipped() const override { return skipped_; }
+    std::string warning() const override { return warning_; }
+    const PoseTrack* trajectory() const override { return poses_->track(); }
+    PoseSummary poses() const override {
+        PoseSummary summary = poses_->summary();
+        summary.note += (summary.note.empty() ? "" : ", ") + std::string("of the frame '") +
+                        robot_.name + "'";
+        return summary;
+    }
+
+    std::optional<Scan> next() override {
+        while (recording_->messages() < contents_.messages()) {
+            const auto message = recording_->next();
+            if (!message) break;
+            if (!acceptsLabel(options_, recording_->topics().at(message->topic).name)) continue;
+            auto scan = contents_.readScan(*recording_, *message, recording_->messages());
+            if (!scan) continue;
+            auto& observation = *scan->observation;
+            const Place place{observation.timestamp, recording_->messages(),
+                              recording_->messages()};
+            const PoseAnswer mount = mountAt(scan->frame, place);
+            const PoseAnswer answer = mount.pose ? poses_->at(place) : mount;
+            if (answer.pose) {
+                if (delivered_ == total_) return std::nullopt;
+                ++delivered_;
+                mrpt::poses::CPose3D T_frame_sensor;
+                observation.getSensorPose(T_frame_sensor);
+                observation.setSensorPose(*mount.pose + T_frame_sensor);
+                return Scan{observation.timestamp, *answer.pose, scan->observation};
+            }
+            if (!place.hasTime())
+                ++skipped_.withoutTime;
+            else
+                countWithoutPose(answer, skipped_);
+        }
+        return std::nullopt;
+    }
+
+ private:
+    void readContents() {
+        const auto recording = openRosRecording(path_);
+        try {
+            while (const auto message = recording->next()) contents_.add(*recording, *message);
+        } catch (const InputError& e) {
+            warning_ = acceptBreak(e, contents_.scans().size(), options_);
+        }
+    }
+
+    PoseAnswer mountAt(const std::string& frame, const Place& place) const {
+        const auto found = robot_.mounts.find(frame);
+        return found == robot_.mounts.end()
+                   ? PoseAnswer{}
+                   : found->second.at(place.time, poseLimits(options_));
+    }
+
+    void givePoses() {
+        RosPoses found = robotPoses(contents_, robot_.name, poseLimits(options_));
+        const RecordedPoses recorded{std::move(found.streams), contents_.scans()};
+        poses_.emplace(recorded, options_, path_);
+        std::uint64_t posed = 0;
+        for (std::size_t i = 0; i < recorded.scans.size(); ++i) {
+            const Place& place = recorded.scans[i].place;
+            posed += poses_->at(place).pose && mountAt(*contents_.frameOfScan()[i], place).pose;
+        }
+        if (posed == 0) failWithoutPoses(recorded, found.unusable);
+        total_ = std::min(posed, options_.maxScans);
+        skipped_.otherLabel = contents_.skipped().otherLabel;
+        skipped_.badPoses = poses_->notFinite() + contents_.badPoses();
+    }
+
+    [[noreturn]] void failWithoutScans() const {
+        if (contents_.skipped().otherLabel > 0)
+            throwNoScans(path_, options_, contents_.skipped(), contents_.scanTopics());
+        constexpr std::size_t kListed = 20;
+        std::string topics;
+        auto unused = contents_.unusedTopics();
+        if (unused.size() > kListed) unused.resize(kListed);
+        for (const RosTopicCount& t : unused)
+            topics += (topics.empty() ? "'" : ", '") + t.name + "' (" + t.type + ")";
+        throw InputError(path_ +
+                         ": holds no scans (sensor_msgs/PointCloud2, LaserScan, or Image of "
+                         "encoding 16UC1 or 32FC1)" +
+                         (topics.empty() ? "" : "; it has " + topics));
+    }
+
+    [[noreturn]] void failWithoutPoses(const RecordedPoses& recorded,
+                                       const std::string& unusable) const {
+        const auto [first, last] = std::minmax_element(
+            recorded.scans.begin(), recorded.scans.end(),
+            [](const ScanPlace& a, const ScanPlace& b) { return a.place.time < b.place.time; });
+        if (poses_->track() != nullptr && !poses_->track()->empty())
+            throwNoScanHasPose(path_, options_, first->place.time, last->place.time,
+                               poses_->track());
+        throw InputError(path_ + ": holds no poses of the robot's frame '" + robot_.name +
+                         "' that can be used (/tf that moves it, nav_msgs/Odometry, "
+                         "geometry_msgs/PoseStamped or PoseWithCovarianceStamped)" +
+                         (unusable.empty() ? "" : ": " + unusable) +
+                         "; give a poses file (--poses FILE), or say that the robot did not "
+                         "move (--fixed-robot)");
+    }
+
+    std::string path_;
+    ScanSourceOptions options_;
+    RosContents contents_;
+    RobotFrame robot_;
+    std::optional<ScanPoses> poses_;  // set from the contents
+    std::string warning_;
+    std::uint64_t total_ = 0, delivered_ = 0;
+    SkippedObservations skipped_;
+    std::unique_ptr<RosRecording> recording_;
+};
+
+}  // namespace
+
+std::unique_ptr<ScanSource> openRos(const std::string& path, const ScanSourceOptions& options) {
+    return std::make_unique<RosSource>(path, options);
+}
+
+}  // namespace superray

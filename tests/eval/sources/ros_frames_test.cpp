@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where the robot and its sensors are, by the transforms and poses of a ROS recording.
+
+#include <gtest/gtest.h>
+#include <superray/eval/input_error.h>
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "eval/recorded_scans.h"
+#include "eval/sources/pose_matchers.h"
+#include "eval/temp_folder.h"
+#include "sources/ros/robot_frame.h"
+
+namespace superray {
+namespace {
+
+using namespace test;
+using mrpt::poses::CPose3D;
+
+constexpr double kStart = 1000;  // [s]
+
+/// Bytes of ROS 1 messages.
+class Bytes {
+ public:
+    template <class T>
+    Bytes& add(T value) {
+        bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+        return *this;
+    }
+    Bytes& add(const char* text) { return add(std::string(text)); }
+    Bytes& add(const std::string& text) {
+        add(static_cast<std::uint32_t>(text.size()));
+        bytes_ += text;
+        return *this;
+    }
+    /// \param seconds after kStart: a stamp of 0 means that none is known
+    Bytes& header(double seconds, const std::string& frame) {
+        const double whole = std::floor(kStart + seconds);
+        add(std::uint32_t{0}).add(static_cast<std::uint32_t>(whole));
+        return add(static_cast<std::uint32_t>((kStart + seconds - whole) * 1e9)).add(frame);
+    }
+    Bytes& pose(double x, double yaw) {
+        for (const double v : {x, 0.0, 0.0, 0.0, 0.0, std::sin(yaw / 2), std::cos(yaw / 2)})
+            add(v);
+        return *this;
+    }
+    Bytes& zeros(int count) {
+        for (int i = 0; i < count; ++i) add(0.0);
+        return *this;
+    }
+    const std::string& text() const { return bytes_; }
+
+ private:
+    std::string bytes_;
+};
+
+/// A recording in memory, and what a first pass makes of it.
+class Recording final : public RosRecording {
+ public:
+    explicit Recording(const ScanSourceOptions& options = {})
+        : RosRecording("memory"), contents_(options) {}
+
+    void add(const std::string& topic, const std::string& type, const Bytes& bytes) {
+        contents_.add(*this, {topicNumber(topic, type, "ros1"), bytes.text()});
+    }
+    void tf(double seconds, const std::string& parent, const std::string& child, double x,
+            double yaw = 0, const std::string& topic = "/tf") {
+        Bytes bytes;
+        bytes.add(std::uint32_t{1}).header(seconds, parent).add(child).pose(x, yaw);
+        add(topic, "tf2_msgs/TFMessage", bytes);
+    }
+    void fixed(const std::string& parent, const std::string& child, double x, double yaw = 0) {
+        tf(0, parent, child, x, yaw, "/tf_static");
+    }
+    void odometry(double seconds, const std::string& frame, const std::string& child, double x,
+                  const std::string& topic = "/odom") {
+        Bytes bytes;
+        bytes.header(seconds, frame).add(child).pose(x, 0).zeros(36 + 6 + 36);
+        add(topic, "nav_msgs/Odometry", bytes);
+    }
+    /// Without points: only its frame matters here.
+    void cloud(double seconds, const std::string& frame, const std::string& topic = "/points") {
+        Bytes bytes;
+        bytes.header(seconds, frame);
+        add(topic, "sensor_msgs/PointCloud2", bytes);
+    }
+
+    std::optional<RosMessage> next() override { return std::nullopt; }
+    const RosContents& contents() const { return contents_; }
+    RobotFrame robot(const ScanSourceOptions& options = {}) const {
+        return chooseRobotFrame(contents_, options, "memory");
+    }
+    std::string error() const {
+        return messageOf<InputError>([&] { robot(); });
+    }
+    PoseStreams poses() const { return robotPoses(contents_, robot().name, limits()).streams; }
+
+    static PoseLimits limits() {
+        PoseLimits limits;
+        limits.maxGap = 2;
+        return limits;
+    }
+
+ private:
+    RosContents contents_;
+};
+
+CPose3D ahead(double x, double yaw = 0) {
+    return CPose3D(x, 0, 0, yaw, 0, 0);
+}
+
+CPose3D mountOf(const Recording& recording, const std::string& frame, double seconds) {
+    return recording.robot()
+        .mounts.at(frame)
+        .at(at(kStart + seconds), Recording::limits())
+        .pose.value();
+}
+
+TEST(RosFrames, sensorsAreWhereAChainOfTransformsSays) {
+    Recording r;
+    r.fixed("/base_link", "/mast", 1, M_PI / 2);
+    r.fixed("mast", "lidar", 2);
+    r.cloud(1, "/lidar");
+    EXPECT_EQ(r.robot().name, "base_link");
+    expectPoseNear(mountOf(r, "lidar", 1), CPose3D(1, 2, 0, M_PI / 2, 0, 0));
+}
+
+TEST(RosFrames, aSensorBesideTheRobotsFrameIsReachedDownwards) {
+    Recording r;
+    r.fixed("base_footprint", "base_link", 0.5);
+    r.fixed("base_footprint", "lidar", 2);
+    r.cloud(1, "lidar");
+    EXPECT_EQ(r.robot().name, "base_link");
+    expectPoseNear(mountOf(r, "lidar", 1), ahead(1.5));
+}
+
+TEST(RosFrames, aSensorThatMovesOnTheRobotIsFollowed) {
+    Recording r;
+    r.tf(0, "base_link", "scanner", 1, 0.0);
+    r.tf(1, "base_link", "scanner", 1, 0.5);
+    r.cloud(0.5, "scanner");
+    expectPoseNear(mountOf(r, "scanner", 0.5), ahead(1, 0.25));
+    // Not where nothing is known, nor over a gap.
+    r.tf(9, "base_link", "scanner", 1, 0.5);
+    const auto answer = r.robot().mounts.at("scanner").at(at(kStart + 5), Recording::limits());
+    EXPECT_EQ(answer.result, PoseAnswer::Result::inGap);
+}
+
+TEST(RosFrames, transformsThatNeverChangeHoldAtAllTimes) {
+    // As the first static_transform_publisher sent them.
+    Recording r;
+    for (int i = 0; i < 50; ++i) r.tf(100 + 0.1 * i, "base_link", "laser", 0.75);
+    r.cloud(1, "laser");
+    expectPoseNear(mountOf(r, "laser", 1), ahead(0.75));
+}
+
+TEST(RosFrames, cloudsInAFrameThatTheRobotMovesInAreRefused) {
+    Recording r;
+    for (int i = 0; i < 3; ++i) r.tf(i, "odom", "base_link", i);
+    r.cloud(1, "odom", "/registered");
+    expectPart(r.error(), "'/registered' are in the frame 'odom', in which the robot moves");
+    // Also if it stands still.
+    Recording still;
+    for (int i = 0; i < 3; ++i) still.tf(i, "odom", "base_link", 7);
+    still.cloud(1, "odom", "/registered");
+    expectPart(still.error(), "in which the robot moves");
+}
+
+TEST(RosFrames, framesWithoutAWayAreNamed) {
+    Recording r;
+    r.fixed("base_link", "imu", 0);
+    r.cloud(1, "lidar");
+    expectPart(r.error(),
+               "frame 'lidar', which has no transform to the robot's frame "
+               "'base_link' (frames with transforms: 'base_link', 'imu')");
+    Recording two;
+    two.cloud(1, "front", "/a");
+    two.cloud(1, "rear", "/b");
+    expectPart(two.error(), "'/b' are in the frame 'rear'");
+}
+
+TEST(RosFrames, staticTransformsThatDifferAreRefused) {
+    Recording r;
+    r.fixed("base_link", "lidar", 1);
+    r.fixed("base_link", "lidar", 1);
+    r.cloud(1, "lidar");
+    EXPECT_EQ(r.robot().name, "base_link");
+    r.fixed("base_link", "lidar", 2);
+    expectPart(r.error(), "different transforms between 'lidar' and 'base_link'");
+}
+
+TEST(RosFrames, theRobotIsTheChildOfTheOdometryWhereNoNameTells) {
+    Recording r;
+    r.fixed("body", "lidar", 1);
+    r.odometry(1, "odom", "body", 5);
+    r.cloud(1, "lidar");
+    EXPECT_EQ(r.robot().name, "body");
+    expectPoseNear(r.poses().odometry.at("/odom").entries.at(0).pose, ahead(5));
+    // In a namespace.
+    Recording named;
+    named.fixed("husky/base_link", "lidar", 1);
+    named.cloud(1, "lidar");
+    EXPECT_EQ(named.robot().name, "husky/base_link");
+}
+
+TEST(RosFrames, odometryOfAnotherFrameIsBroughtToTheRobots) {
+    Recording r;
+    r.fixed("base_footprint", "base_link", 0.5);
+    r.fixed("base_link", "lidar", 1);
+    r.odometry(1, "odom", "base_footprint", 5);
+    r.odometry(1, "odom", "elsewhere", 5, "/other");
+    r.cloud(1, "lidar");
+    const auto streams = r.poses().odometry;
+    ASSERT_EQ(streams.size(), 1u);
+    expectPoseNear(streams.at("/odom").entries.at(0).pose, ahead(5.5));
+    const auto found = robotPoses(r.contents(), "base_link", Recording::limits());
+    expectPart(found.unusable, "'/other' is of frame 'elsewhere'");
+}
+
+TEST(RosFrames, posesAreThoseOfTheRootAndOdometryThoseBetween) {
+    Recording r;
+    r.cloud(1, "base_link");
+    for (int i = 0; i <= 20; ++i) r.tf(0.1 * i, "odom", "base_link", 0.1 * i);
+    r.tf(0, "map", "odom", 10);
+    r.tf(2, "map", "odom", 12);
+    auto streams = r.poses();
+    ASSERT_EQ(streams.robotPoses.size(), 1u);
+    ASSERT_EQ(streams.odometry.size(), 1u);
+    const auto& map = streams.robotPoses.at("tf map").entries;
+    ASSERT_EQ(map.size(), 21u);
+    expectPoseNear(map.at(10).pose, ahead(10 + 1 + 1), 1e-6);  // both links interpolated
+    EXPECT_EQ(streams.odometry.count("tf odom"), 1u);
+    // A topic in the same frame tells the same.
+    r.odometry(1, "odom", "base_link", 1);
+    streams = r.poses();
+    EXPECT_EQ(streams.odometry.size(), 1u);
+    EXPECT_EQ(streams.odometry.count("/odom"), 1u);
+}
+
+TEST(RosFrames, twoParentsAreTwoSources) {
+    Recording r;
+    r.cloud(1, "base_link");
+    for (int i = 0; i < 3; ++i) {
+        r.tf(i, "odom", "base_link", i);
+        r.tf(i, "world", "base_link", i + 5);
+    }
+    const auto streams = r.poses();
+    EXPECT_EQ(streams.robotPoses.size(), 2u);
+    expectPoseNear(streams.robotPoses.at("tf world").entries.at(2).pose, ahead(7));
+}
+
+TEST(RosFrames, circlesAndDeepTreesEnd) {
+    Recording r;
+    r.tf(1, "a", "b", 1);
+    r.tf(1, "b", "a", 1);
+    r.cloud(1, "a");
+    EXPECT_EQ(r.contents().frames().ancestors("a").size(), 2u);
+    for (int i = 0; i < 1000; ++i)
+        r.fixed("f" + std::to_string(i + 1), "f" + std::to_string(i), 1);
+    EXPECT_EQ(r.contents().frames().ancestors("f0").size(), 101u);
+}
+
+TEST(RosFrames, transformsThatAreNoneAreCounted) {
+    Recording r;
+    Bytes bytes;
+    bytes.add(std::uint32_t{1}).header(1, "odom").add("base_link").zeros(7);
+    r.add("/tf", "tf2_msgs/TFMessage", bytes);
+    r.tf(1, "odom", "base_link", std::numeric_limits<double>::quiet_NaN());
+    EXPECT_EQ(r.contents().badPoses(), 2u);
+    EXPECT_TRUE(r.contents().frames().empty());
+}
+
+TEST(RosFrames, messagesThatBreakTheRulesAreNamed) {
+    Recording r;
+    const auto error = [&](const char* type, const Bytes& bytes) {
+        return messageOf<InputError>([&] { r.add("/t", type, bytes); });
+    };
+    Bytes many;
+    many.add(std::numeric_limits<std::uint32_t>::max());
+    expectPart(error("tf2_msgs/TFMessage", many), "message 1 (/t, tf2_msgs/TFMessage)");
+    expectPart(error("tf2_msgs/TFMessage", many), "tells 4294967295 elements");
+    Bytes longer;
+    longer.header(1, "map").pose(0, 0).add('x');
+    expectPart(error("geometry_msgs/PoseStamped", longer), "1 bytes follow");
+    Bytes late;
+    late.add(0u).add(1u).add(1000000000u).add("map").pose(0, 0);
+    expectPart(error("geometry_msgs/PoseStamped", late), "1000000000 nanoseconds");
+    r.odometry(1, "odom", "base_link", 0);
+    expectPart(messageOf<InputError>([&] { r.odometry(1, "odom2", "base_link", 0); }),
+               "the ones before of 'base_link' in 'odom'");
+}
+
+}  // namespace
+}  // namespace superray
