@@ -3,6 +3,7 @@
 /// \file octree_nodes.h
 /// The nodes of Octree: an octomap::OcTree with an arena.
 
+#include <superray/core/detail/always_inline.h>
 #include <superray/core/sensor_model.h>
 
 #include "tree/node_arena.h"
@@ -175,7 +176,7 @@ class OcTreeNodes final : public octomap::OcTree {
             share_.reserve(NodeArena::kFamilyBytes + 8 * NodeArena::kNodeBytes);
         }
         static void reserveRelease(std::size_t) {}
-        void settle(Node n) {
+        SUPERRAY_INLINE void settle(Node n) {
             // As pruneNode() and updateOccupancyChildren(), in one visit.
             const octomap::AbstractOcTreeNode* const* const c = arenaNode(n)->children();
             bool same = true;
