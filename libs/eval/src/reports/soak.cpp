@@ -32,7 +32,8 @@ struct Laps {
 
     /// Where the robot is at insertion i.
     CPose3D pose(std::uint64_t i) const {
-        const auto lap = static_cast<double>(i / places.size());
+        const std::uint64_t laps = i / places.size();
+        const auto lap = static_cast<double>(laps);
         // To one side, to the other one, and back to the start.
         const double phase = std::fmod(lap + mostLaps, 4 * mostLaps);
         const double side = phase <= 2 * mostLaps ? phase - mostLaps : 3 * mostLaps - phase;
