@@ -78,7 +78,7 @@ PoseSummary PoseLookup::summary(Trajectory::Time firstScan,
 
 std::string acceptBreak(const InputError& error, std::uint64_t scans,
                         const ScanSourceOptions& options) {
-    const std::string message =
+    std::string message =
         std::string(error.what()) + "; scans before it: " + std::to_string(scans);
     const bool isTruncated = dynamic_cast<const TruncatedInputError*>(&error) != nullptr;
     if (isTruncated && options.truncation == Truncation::error)
