@@ -156,6 +156,8 @@ void VoxelView<Dim>::refresh(const OccupancyMap<Dim>& map, const Style& style) {
 template <int Dim>
 void VoxelView<Dim>::scaleHeightColours() {
     const CellGeometry<Dim> geometry(style_->resolution);
+    // clang-tidy does not see that center() sets all axes.
+    // NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign)
     const double low = centerOf<Dim>(lowest_, geometry).z;
     const double high = centerOf<Dim>(highest_, geometry).z;
     if (low == low_ && high == high_) return;
