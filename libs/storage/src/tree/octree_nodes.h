@@ -230,7 +230,8 @@ class OcTreeNodes final : public octomap::OcTree {
         Node newNode(void* memory, float value) const {
             // A copy of a node without children. OctoMap's constructors do no
             // more, but a call for every node shows.
-            std::memcpy(memory, static_cast<const void*>(&nodes_.absent_[0]), sizeof(ArenaNode));
+            std::memcpy(memory, static_cast<const void*>(&nodes_.absent_[0]),
+                        sizeof(ArenaNode));
             const Node n = static_cast<ArenaNode*>(memory);
             n->setLogOdds(value);
             return n;
