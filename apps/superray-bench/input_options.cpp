@@ -77,6 +77,12 @@ void checkFigureOptions(const FigureOptions& figures, const std::vector<std::str
     if (!figures.file.empty()) checkOutputPath(figures.file, {".json"});
 }
 
+const std::string& onlyData(const std::vector<std::string>& data, const std::string& command) {
+    if (data.size() != 1)
+        throw InputError(command + " replays one DATA, got " + std::to_string(data.size()));
+    return data.front();
+}
+
 void putFigures(const FigureOptions& figures, const std::string& text,
                 const std::string& json) {
     std::cout << (figures.asJson() ? json : text);

@@ -63,6 +63,9 @@ void addFigureOptions(CLI::App& app, FigureOptions& figures);
 /// \param data what is given as DATA: a file of JSON there is one that earlier versions wrote
 /// \throws InputError if the options cannot be used
 void checkFigureOptions(const FigureOptions& figures, const std::vector<std::string>& data);
+/// The DATA of a command that takes one; a list, so that checkFigureOptions() sees what
+/// follows --json. \throws InputError if there are several
+const std::string& onlyData(const std::vector<std::string>& data, const std::string& command);
 /// Prints text or JSON, and writes the file that is asked for.
 void putFigures(const FigureOptions& figures, const std::string& text, const std::string& json);
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <superray/eval/input_error.h>
 #include <superray/eval/realtime.h>
 
 #include <iostream>
@@ -50,9 +49,7 @@ int realtime(Arguments& a) {
     if (a.ownModel) a.request.peerModel = PeerModel::own;
     finishInputOptions(a.request.source);
     checkFigureOptions(a.figures, a.data);
-    if (a.data.size() != 1)
-        throw InputError("realtime replays one DATA, got " + std::to_string(a.data.size()));
-    a.request.data = a.data.front();
+    a.request.data = onlyData(a.data, "realtime");
     const auto runs = runRealtime(a.request, std::cerr, progressStyle());
     putFigures(a.figures, realtimeAsText(a.request, runs), realtimeAsJson(a.request, runs));
     return kSuccess;

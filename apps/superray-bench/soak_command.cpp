@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <superray/eval/map_output.h>
 #include <superray/eval/soak.h>
-#include <superray/storage/atomic_file.h>
 
 #include <algorithm>
 #include <iostream>
@@ -29,15 +27,16 @@ Examples:
 
 struct Arguments {
     SoakRequest request;
-    std::string json;
+    std::vector<std::string> data;
+    FigureOptions figures;
 };
 
 int soak(Arguments& a) {
     finishInputOptions(a.request.source);
-    if (!a.json.empty()) checkOutputPath(a.json, {".json"});
+    checkFigureOptions(a.figures, a.data);
+    a.request.data = onlyData(a.data, "soak");
     const auto runs = runSoak(a.request, std::cerr, progressStyle());
-    std::cout << soakAsText(a.request, runs);
-    if (!a.json.empty()) writeFileAtomically(a.json, soakAsJson(a.request, runs));
+    putFigures(a.figures, soakAsText(a.request, runs), soakAsJson(a.request, runs));
     const bool flat =
         std::all_of(runs.begin(), runs.end(), [](const SoakRun& run) { return isFlat(run); });
     return flat ? kSuccess : kDifferent;
@@ -49,7 +48,7 @@ Command declareSoak(CLI::App& app) {
     auto arguments = std::make_shared<Arguments>();
     auto& a = *arguments;
     app.footer(kDataHelp + std::string(kProtocol));
-    app.add_option("DATA", a.request.data, "Scans")->required()->type_name("DATA");
+    app.add_option("DATA", a.data, "Scans")->required()->type_name("DATA");
     app.add_option("--insertions", a.request.insertions, "Scans to insert; default 10000")
         ->type_name("N");
     addListOption(app, "--classes", a.request.classes,
@@ -67,7 +66,7 @@ Command declareSoak(CLI::App& app) {
         ->type_name("N");
     app.add_option("--threads", a.request.threads, "Default 1")->type_name("N");
     addInputOptions(app, a.request.source, a.request.worldSeed);
-    app.add_option("--json", a.json, "Write all figures")->type_name("FILE");
+    addFigureOptions(app, a.figures);
     return [arguments] { return soak(*arguments); };
 }
 

@@ -97,8 +97,8 @@ TEST(BenchCli, replaysInRealTime) {
 TEST(BenchCli, soaksAndJudges) {
     TempFolder folder;
     const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
-    const std::string rest =
-        "--resolution 0.4 --json '" + (folder / "soak.json") + "' --insertions 200 --window ";
+    const std::string rest = "--resolution 0.4 --figures '" + (folder / "soak.json") +
+                             "' --insertions 200 --window ";
     const auto flat = runOk(folder, "soak" + in + rest + "3");
     EXPECT_NE(flat.find("memory is flat"), std::string::npos) << flat;
     const auto json = nlohmann::json::parse(readWholeFile(folder / "soak.json"));
@@ -106,6 +106,11 @@ TEST(BenchCli, soaksAndJudges) {
     const auto grows = run(folder, "soak" + in + rest + "0");
     EXPECT_EQ(grows.code, 1) << grows.out;
     EXPECT_NE(grows.out.find("GROWS"), std::string::npos) << grows.out;
+    EXPECT_EQ(
+        nlohmann::json::parse(runOk(folder, "soak" + in + rest + "3 --json"))["runs"].size(),
+        1u);
+    expectError(folder, "soak" + in + "--json out.json", "--figures out.json");
+    expectError(folder, "soak" + in + in, "soak replays one DATA");
     expectError(folder, "soak" + in + "--resolution 0.02 --window 0 --max-memory 1",
                 "max_memory_megabytes = 1");
 }

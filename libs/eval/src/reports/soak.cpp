@@ -79,15 +79,20 @@ Laps lapsOf(const PointScans& scans, const SoakRequest& request) {
     return laps;
 }
 
+/// What is asked of a map, in the options that it has.
+void setOptions(TMapOptions& options, const SoakRequest& request) {
+    options.creation.resolution = request.resolution;
+    options.creation.max_memory_megabytes = request.maxMemoryMegabytes;
+    options.insertion.windowRadius = request.windowRadius;
+    options.insertion.threads = request.threads;
+}
+
 SoakRun runClass(const SoakRequest& request, const Laps& laps, const std::string& className,
                  ProgressMeter& meter) {
     const auto map = createMap(className);
     auto& cells = dynamic_cast<SuperRayMapInterface&>(*map);
     TMapOptions options = cells.options();
-    options.creation.resolution = request.resolution;
-    options.creation.max_memory_megabytes = request.maxMemoryMegabytes;
-    options.insertion.windowRadius = request.windowRadius;
-    options.insertion.threads = request.threads;
+    setOptions(options, request);
     options.likelihood.decimation = 20;
     cells.setOptions(options);
 
@@ -131,10 +136,7 @@ void SoakRequest::validate() const {
     if (classes.empty()) throw InputError("no classes of maps given");
     for (const std::string& name : classes) createMap(name);
     TMapOptions options;
-    options.creation.resolution = resolution;
-    options.creation.max_memory_megabytes = maxMemoryMegabytes;
-    options.insertion.windowRadius = windowRadius;
-    options.insertion.threads = threads;
+    setOptions(options, *this);
     options.creation.validate();
     options.insertion.validate();
 }

@@ -3,7 +3,6 @@
 /// \file soak.h
 /// A drive without end: does a map with a sliding window keep to its memory?
 
-#include <superray/core/sensor_model.h>
 #include <superray/eval/progress_meter.h>
 #include <superray/eval/scan_source.h>
 
