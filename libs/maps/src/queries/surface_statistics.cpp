@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <superray/core/detail/linear_probing.h>
 #include <superray/maps/surface_statistics.h>
 
 #include <Eigen/Eigenvalues>
@@ -50,14 +51,10 @@ std::uint32_t SurfaceStatistics<Dim>::findOrInsert(const Cell<Dim>& cell) {
 /// The last cell takes its number.
 template <int Dim>
 void SurfaceStatistics<Dim>::remove(std::uint32_t number) {
-    std::size_t hole = position(keyOf(moments_[number].cell));
-    const std::size_t mask = slots_.size() - 1;
-    for (std::size_t i = (hole + 1) & mask; slots_[i].key != kFree; i = (i + 1) & mask)
-        if (((i - home(slots_[i].key)) & mask) >= ((i - hole) & mask)) {
-            slots_[hole] = slots_[i];
-            hole = i;
-        }
-    slots_[hole] = {};
+    detail::emptySlot(
+        slots_, position(keyOf(moments_[number].cell)),
+        [](const Slot& s) { return s.key == kFree; },
+        [&](const Slot& s) { return home(s.key); });
     if (number + 1 != moments_.size()) {
         moments_[number] = moments_.back();
         patches_[number] = patches_.back();

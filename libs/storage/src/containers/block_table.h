@@ -3,6 +3,8 @@
 /// \file block_table.h
 /// Table from block key to a small value: pages of neighbouring blocks, hashed.
 
+#include <superray/core/detail/linear_probing.h>
+
 #include "values/value_rules.h"
 
 #include <algorithm>
@@ -93,19 +95,11 @@ class BlockTable {
     /// The next page that is made takes the memory of this one. Places in other pages stay
     /// the same. \pre all values of the page are default ones  \throws std::bad_alloc
     void removePage(std::uint64_t page) {
-        std::size_t hole = position(page);
-        freePages_.push_back(pages_[hole].number);
-        // Entries that were put off by this one move up, so that no search ends too early.
-        const std::size_t mask = pages_.size() - 1;
-        for (std::size_t i = hole;;) {
-            i = (i + 1) & mask;
-            if (pages_[i].key == kFree) break;
-            if (((i - home(pages_[i].key)) & mask) >= ((i - hole) & mask)) {
-                pages_[hole] = pages_[i];
-                hole = i;
-            }
-        }
-        pages_[hole] = {};
+        const std::size_t at = position(page);
+        freePages_.push_back(pages_[at].number);
+        detail::emptySlot(
+            pages_, at, [](const Entry& e) { return e.key == kFree; },
+            [&](const Entry& e) { return home(e.key); });
     }
     /// All of them, without keys.
     const std::vector<Value>& values() const { return values_; }
