@@ -5,6 +5,7 @@
 
 #include <superray/core/block.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -12,6 +13,11 @@ namespace superray {
 
 inline constexpr int kTreeDepth = 16;                        ///< root 0, cells 16
 inline constexpr int kBlockDepth = kTreeDepth - kBlockBits;  ///< nodes the size of a block
+
+/// Nodes with children in a block that is not uniform anywhere: 1 + 8 + 64 in 3D.
+template <int Dim>
+inline constexpr std::size_t kFamiliesOfBlock = (std::size_t{kBlockCells<Dim>} - 1) /
+                                                ((std::size_t{1} << Dim) - 1);
 
 namespace detail {
 // Bits of a block index, moved apart step by step. A step doubles the number

@@ -209,7 +209,7 @@ class OcTreeNodes final : public octomap::OcTree {
         }
 
         /// Nodes and families of a block and the way to it, at most.
-        static constexpr std::size_t kBlockFamilies = kBlockDepth + 1 + 8 + 64,
+        static constexpr std::size_t kBlockFamilies = kBlockDepth + kFamiliesOfBlock<3>,
                                      kBlockNodes = 1 + 8 * kBlockFamilies;
         static constexpr std::size_t kBlockBytes =
             kBlockNodes * NodeArena::kNodeBytes + kBlockFamilies * NodeArena::kFamilyBytes;

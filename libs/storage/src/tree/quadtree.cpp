@@ -20,8 +20,9 @@ class QuadNodes {
     static constexpr Node kNull = kNone;
 
     static constexpr bool kParallel = false;  // one pool for all
-    /// At most a family per level of the way, and 1 + 4 + 16 in the block; as many may go.
-    static constexpr std::uint32_t kFamiliesOfBlock = 64;
+    /// Those of writing to a block, at most, with the way to it; as many may go.
+    static constexpr std::uint32_t kFamiliesOfWrite = 64;
+    static_assert(kFamiliesOfWrite >= kBlockDepth + kFamiliesOfBlock<2>);
 
     Node root() const { return root_; }
     void setRoot(Node n) { root_ = n; }
@@ -53,8 +54,8 @@ class QuadNodes {
 
         /// Makes sure that nothing fails until a block and the way to it are made.
         void reserve() {
-            nodes_.families_.keepRoomToAllocate(kFamiliesOfBlock);
-            nodes_.families_.keepRoomToRelease(kFamiliesOfBlock);
+            nodes_.families_.keepRoomToAllocate(kFamiliesOfWrite);
+            nodes_.families_.keepRoomToRelease(kFamiliesOfWrite);
         }
         void setValue(Node n, float v) { nodes_.at(n).value = v; }
         Node create() {
@@ -123,8 +124,8 @@ class QuadNodes {
     std::size_t memoryBytesAtMost(const TreeGrowth& g) const {
         if (g.blocks == 0) return memoryBytes();
         // Room for one more block is kept. What a block gives back it had or has been given.
-        return families_.memoryBytesAtMost(g.families + kFamiliesOfBlock + 1,
-                                           kFamiliesOfBlock * (g.blocks + 1));
+        return families_.memoryBytesAtMost(g.families + kFamiliesOfWrite + 1,
+                                           kFamiliesOfWrite * (g.blocks + 1));
     }
     void reserve(std::size_t bytes) { families_.reserve(bytes); }
     void clear() {
@@ -228,7 +229,7 @@ std::size_t Quadtree::heldBytes() const {
     return memoryBytes();
 }
 std::size_t Quadtree::heldBytesAtMost(std::size_t blocks, unsigned) const {
-    const std::size_t families = blocks * QuadNodes::kFamiliesOfBlock;
+    const std::size_t families = blocks * QuadNodes::kFamiliesOfWrite;
     return sizeof(Impl) + impl_->nodes.memoryBytesAtMost({0, families, blocks});
 }
 std::size_t Quadtree::heldBytesWith(const WrittenBlocks& written) const {

@@ -37,7 +37,7 @@ class TreeForget {
         if (root == Nodes::kNull) return;
         collect(root, 0, 0);
         if (gone_.empty()) return;
-        editor_.reserveRelease(inner_ + kBlockFamilies * gone_.size());
+        editor_.reserveRelease(inner_ + kFamiliesOfBlock<Dim> * gone_.size());
         if (forget(root, 0, 0)) {
             nodes_.setRoot(Nodes::kNull);
             editor_.release(root);
@@ -49,8 +49,6 @@ class TreeForget {
     using Overlap = typename BlockWindow<Dim>::Overlap;
     static constexpr int kChildren = 1 << Dim;
     static constexpr unsigned kAll = (1u << kChildren) - 1;
-    /// Families of a block, at most.
-    static constexpr std::size_t kBlockFamilies = Dim == 3 ? 1 + 8 + 64 : 1 + 4 + 16;
 
     /// Blocks below a node.
     static std::uint64_t blocksBelow(int depth) {
