@@ -24,7 +24,7 @@ std::string megabytes(std::size_t bytes) {
 
 template <int Dim>
 std::size_t CSuperRayMapBase<Dim>::heldBytes() const {
-    return storage_->heldBytes() + (surface_ ? surface_->memoryBytes() : 0) + companionBytes();
+    return storage_->heldBytes() + surfaceBytes() + companionBytes();
 }
 
 template <int Dim>
@@ -50,30 +50,27 @@ void CSuperRayMapBase<Dim>::requireRoomFor(const WrittenBlocks& written,
                   what);
 }
 
-namespace {
-
 template <int Dim>
-std::size_t surfaceBytesWith(const SurfaceStatistics<Dim>* surface,
-                             const CellGeometry<Dim>& geometry, const RayBundle<Dim>& rays,
-                             bool exactly) {
-    if (!surface) return SurfaceStatistics<Dim>(geometry).memoryBytesAtMost(rays.size());
-    return surface->memoryBytesAtMost(exactly ? surface->newCells(rays) : rays.size());
+std::size_t CSuperRayMapBase<Dim>::surfaceBytesAtMost(std::size_t newCells) const {
+    if (!insertionOptions.pointStatistics) return surfaceBytes();
+    return surface_ ? surface_->memoryBytesAtMost(newCells)
+                    : SurfaceStatistics<Dim>(storage_->geometry()).memoryBytesAtMost(newCells);
 }
 
-}  // namespace
+template <int Dim>
+std::size_t CSuperRayMapBase<Dim>::surfaceBytesWith(const RayBundle<Dim>& rays) const {
+    const bool isLookedUp = insertionOptions.pointStatistics && surface_;
+    return surfaceBytesAtMost(isLookedUp ? surface_->newCells(rays) : rays.size());
+}
 
 template <int Dim>
 unsigned CSuperRayMapBase<Dim>::requireRoom(const UpdateBatch<Dim>& batch,
                                             const RayBundle<Dim>& rays) const {
     const unsigned threads = insertionOptions.threads;
     if (maxMegabytes_ == 0) return threads;
-    const auto surfaceBytes = [&](bool exactly) {
-        if (!insertionOptions.pointStatistics) return surface_ ? surface_->memoryBytes() : 0;
-        return surfaceBytesWith<Dim>(surface_.get(), storage_->geometry(), rays, exactly);
-    };
     // Far from the bound, as nearly always, that is soon told.
     const std::size_t blocks = batch.blockCount();
-    if (storage_->heldBytesAtMost(blocks, threads) + surfaceBytes(false) +
+    if (storage_->heldBytesAtMost(blocks, threads) + surfaceBytesAtMost(rays.size()) +
             companionBytesAtMost(blocks) <=
         maxMegabytes_ * kMebi)
         return threads;
@@ -81,23 +78,19 @@ unsigned CSuperRayMapBase<Dim>::requireRoom(const UpdateBatch<Dim>& batch,
         [&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
             storage_->forEachWritten(batch, sensorModel(), insertionOptions.policy, visit);
         },
-        surfaceBytes(true), "this scan");
+        surfaceBytesWith(rays), "this scan");
     return 1;  // what was foretold holds for one thread
 }
 
 template <int Dim>
-unsigned CSuperRayMapBase<Dim>::requireRoom(const CellCountMap<Dim>& counts,
-                                            const RayBundle<Dim>& rays) const {
-    if (maxMegabytes_ != 0)
-        requireRoomFor(
-            [&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
-                storage_->forEachWritten(counts, sensorModel(), insertionOptions.policy, visit);
-            },
-            insertionOptions.pointStatistics
-                ? surfaceBytesWith<Dim>(surface_.get(), storage_->geometry(), rays, true)
-                : (surface_ ? surface_->memoryBytes() : 0),
-            "this scan");
-    return 1;
+void CSuperRayMapBase<Dim>::requireRoom(const CellCountMap<Dim>& counts,
+                                        const RayBundle<Dim>& rays) const {
+    if (maxMegabytes_ == 0) return;
+    requireRoomFor(
+        [&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
+            storage_->forEachWritten(counts, sensorModel(), insertionOptions.policy, visit);
+        },
+        surfaceBytesWith(rays), "this scan");
 }
 
 template <int Dim>
@@ -126,17 +119,19 @@ typename CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(
     return forgotten;
 }
 
-#define SUPERRAY_INSTANTIATE(Dim)                                                          \
-    template std::size_t CSuperRayMapBase<Dim>::heldBytes() const;                         \
-    template void CSuperRayMapBase<Dim>::requireWithin(std::uint32_t, std::size_t,         \
-                                                       const char*) const;                 \
-    template void CSuperRayMapBase<Dim>::requireRoomFor(const WrittenBlocks&, std::size_t, \
-                                                        const char*) const;                \
-    template unsigned CSuperRayMapBase<Dim>::requireRoom(const UpdateBatch<Dim>&,          \
-                                                         const RayBundle<Dim>&) const;     \
-    template unsigned CSuperRayMapBase<Dim>::requireRoom(const CellCountMap<Dim>&,         \
-                                                         const RayBundle<Dim>&) const;     \
-    template CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(          \
+#define SUPERRAY_INSTANTIATE(Dim)                                                              \
+    template std::size_t CSuperRayMapBase<Dim>::heldBytes() const;                             \
+    template void CSuperRayMapBase<Dim>::requireWithin(std::uint32_t, std::size_t,             \
+                                                       const char*) const;                     \
+    template void CSuperRayMapBase<Dim>::requireRoomFor(const WrittenBlocks&, std::size_t,     \
+                                                        const char*) const;                    \
+    template std::size_t CSuperRayMapBase<Dim>::surfaceBytesAtMost(std::size_t) const;         \
+    template std::size_t CSuperRayMapBase<Dim>::surfaceBytesWith(const RayBundle<Dim>&) const; \
+    template unsigned CSuperRayMapBase<Dim>::requireRoom(const UpdateBatch<Dim>&,              \
+                                                         const RayBundle<Dim>&) const;         \
+    template void CSuperRayMapBase<Dim>::requireRoom(const CellCountMap<Dim>&,                 \
+                                                     const RayBundle<Dim>&) const;             \
+    template CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(              \
         const RayBundle<Dim>&);
 SUPERRAY_INSTANTIATE(2)
 SUPERRAY_INSTANTIATE(3)

@@ -108,7 +108,7 @@ void CSuperRayMapBase<Dim>::merge(const mrpt::maps::CMetricMap& other,
                 for (const auto& block : blocks)
                     visit({block.key, block.values.data(), block.known});
             },
-            surface_ ? surface_->memoryBytes() : 0, "this merge");
+            surfaceBytes(), "this merge");
     changes_.begin();
     view_->forget();
     OccupancyMap<Dim>& map = storage_.writable();

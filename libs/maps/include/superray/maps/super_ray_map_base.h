@@ -96,7 +96,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     std::optional<MetricBounds> metricBounds() const override;
     std::size_t heldBytes() const override;
     std::size_t memoryBytes() const override {
-        return storage_->memoryBytes() + (surface_ ? surface_->memoryBytes() : 0);
+        return storage_->memoryBytes() + surfaceBytes();
     }
     std::string digest() const override { return contentDigest(*storage_); }
     std::uint64_t changeStamp() const override { return changes_.stamp(); }
@@ -236,9 +236,14 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     /// Before a scan is applied: whether it keeps to the memory bound.
     /// \return threads to apply it with  \throws MemoryLimitError
     unsigned requireRoom(const UpdateBatch<Dim>& batch, const RayBundle<Dim>& rays) const;
-    unsigned requireRoom(const CellCountMap<Dim>& counts, const RayBundle<Dim>& rays) const;
+    void requireRoom(const CellCountMap<Dim>& counts, const RayBundle<Dim>& rays) const;
     void requireRoomFor(const WrittenBlocks& written, std::size_t surfaceBytes,
                         const char* what) const;
+    // Memory of the point statistics [bytes]: now; at most with so many cells more; at most
+    // with those of a scan.
+    std::size_t surfaceBytes() const { return surface_ ? surface_->memoryBytes() : 0; }
+    std::size_t surfaceBytesAtMost(std::size_t newCells) const;
+    std::size_t surfaceBytesWith(const RayBundle<Dim>& rays) const;
     /// Forgets what is outside windowRadius.
     BlockKeys slideWindow(const RayBundle<Dim>& rays);
     void assignOptions(const TMapOptions& options);
