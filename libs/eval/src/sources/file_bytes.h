@@ -16,6 +16,9 @@ namespace superray {
 std::string readFileBytes(const std::string& path,
                           std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 
+/// The first bytes of a file, fewer if it is shorter or cannot be read.
+std::string startOfFile(const std::string& path);
+
 /// True if bytes after the data, up to `end`, are only blanks, line ends and zeros, as some
 /// writers fill up a file with.
 bool isPadding(const std::string& bytes, std::size_t from, std::size_t end = std::string::npos);

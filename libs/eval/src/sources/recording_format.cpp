@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <fstream>
 
+#include "sources/file_bytes.h"
 #include "sources/folders/frame_source.h"
 #include "sources/ros/ros_recording.h"
 #include "sources/ros/ros_source.h"
@@ -28,17 +28,8 @@ bool hasFolder(const fs::path& folder, const char* name) {
     return fs::is_directory(folder / name, error);
 }
 
-/// The first bytes of a file, or fewer.
-std::string startOf(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::string start(16, '\0');
-    file.read(start.data(), static_cast<std::streamsize>(start.size()));
-    start.resize(static_cast<std::size_t>(file.gcount()));
-    return start;
-}
-
 bool beginsWith(const std::string& path, const std::string& magic) {
-    return startOf(path).rfind(magic, 0) == 0;
+    return startOfFile(path).rfind(magic, 0) == 0;
 }
 
 struct Format {
@@ -149,7 +140,7 @@ std::string adviceFor(const std::string& path, bool isFolder) {
         if (endsWith(path, hint.extension) ||
             endsWith(path, hint.extension + std::string(".gz")))
             return hint.advice;
-    const std::string start = startOf(path);
+    const std::string start = startOfFile(path);
     const auto begins = [&](const std::string& magic) { return start.rfind(magic, 0) == 0; };
     if (start.empty()) return "an empty file";
     if (begins("# .PCD") || begins("VERSION") || begins("ply\n"))

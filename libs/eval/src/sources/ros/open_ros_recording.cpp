@@ -2,8 +2,8 @@
 #include <superray/eval/input_error.h>
 
 #include <filesystem>
-#include <fstream>
 
+#include "sources/file_bytes.h"
 #include "sources/ros/ros_recording.h"
 
 namespace superray {
@@ -12,8 +12,7 @@ std::unique_ptr<RosRecording> openRosRecording(const std::string& path, FileStat
     std::error_code error;
     if (std::filesystem::is_directory(path, error)) return openBagFolder(path, state);
     requireRegularFile(path);
-    std::string start(16, '\0');
-    std::ifstream(path, std::ios::binary).read(start.data(), 16);
+    const std::string start = startOfFile(path);
     const auto begins = [&](const std::string& magic) { return start.rfind(magic, 0) == 0; };
     if (begins("#ROSBAG V")) return openRos1Bag(path);
     if (begins("\x89MCAP")) return openMcap(path);
