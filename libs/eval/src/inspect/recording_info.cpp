@@ -63,14 +63,8 @@ void surveyRosScans(const RosContents& contents, const RobotFrame& robot,
         if (!message) return;
         const auto scan = contents.readScan(recording, *message, recording.messages());
         if (!scan) continue;
-        const auto mount = robot.mounts.find(scan->frame);
-        if (mount != robot.mounts.end())
-            if (const auto there = mount->second.at(scan->observation->timestamp, limits);
-                there.pose) {
-                mrpt::poses::CPose3D T_frame_sensor;
-                scan->observation->getSensorPose(T_frame_sensor);
-                scan->observation->setSensorPose(*there.pose + T_frame_sensor);
-            }
+        const auto mounted = robot.mountAt(scan->frame, scan->observation->timestamp, limits);
+        if (mounted.pose) mount(*scan, *mounted.pose);
         sensors.add(*scan->observation);
     }
 }

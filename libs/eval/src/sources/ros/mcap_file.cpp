@@ -10,9 +10,8 @@
 #include <optional>
 #include <utility>
 
-#include "sources/ros/bounded_file.h"
+#include "sources/bounded_file.h"
 #include "sources/ros/byte_cursor.h"
-#include "sources/ros/chunk_codec.h"
 #include "sources/ros/ros_recording.h"
 
 namespace superray {
@@ -191,12 +190,7 @@ class McapFile final : public RosFile {
         if (codec.empty() && records.size() != size)
             throw MalformedBytes("a chunk has " + std::to_string(records.size()) + " bytes, " +
                                  std::to_string(size) + " are told");
-        try {
-            chunk_ =
-                codec.empty() ? std::string(records) : decompressChunk(codec, records, size);
-        } catch (const InputError& e) {
-            throw InputError(path() + ": " + e.what());
-        }
+        chunk_ = codec.empty() ? std::string(records) : unpacked(codec, records, size);
         CheckSum has;
         has.add(chunk_);
         require(sum, has.value(), "a chunk");

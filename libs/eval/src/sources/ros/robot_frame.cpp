@@ -135,6 +135,18 @@ PoseStream streamOf(const FrameChain& chain, const PoseLimits& limits) {
 
 }  // namespace
 
+PoseAnswer RobotFrame::mountAt(const std::string& scanFrame, mrpt::Clock::time_point time,
+                               const PoseLimits& limits) const {
+    const auto found = mounts.find(scanFrame);
+    return found == mounts.end() ? PoseAnswer{} : found->second.at(time, limits);
+}
+
+void mount(const RosScan& scan, const mrpt::poses::CPose3D& T_robot_frame) {
+    mrpt::poses::CPose3D T_frame_sensor;
+    scan.observation->getSensorPose(T_frame_sensor);
+    scan.observation->setSensorPose(T_robot_frame + T_frame_sensor);
+}
+
 RobotFrame chooseRobotFrame(const RosContents& contents, const ScanSourceOptions& options,
                             const std::string& what) {
     std::vector<std::string> candidates = toldCandidates(contents);

@@ -17,7 +17,14 @@ namespace superray {
 struct RobotFrame {
     std::string name;
     std::map<std::string, FramePath> mounts;  ///< by the frame of the scans
+
+    /// T_robot_frame of a scan's frame at a time.
+    PoseAnswer mountAt(const std::string& scanFrame, mrpt::Clock::time_point time,
+                       const PoseLimits& limits) const;
 };
+
+/// Moves the sensor pose of a scan from its frame to the robot.
+void mount(const RosScan& scan, const mrpt::poses::CPose3D& T_robot_frame);
 
 /// The first of these that all scans have transforms to: base_link, base_footprint (or such
 /// in a namespace), the child frame of an odometry. Where none is told, or the poses are

@@ -8,9 +8,8 @@
 #include <map>
 #include <utility>
 
-#include "sources/ros/bounded_file.h"
+#include "sources/bounded_file.h"
 #include "sources/ros/byte_cursor.h"
-#include "sources/ros/chunk_codec.h"
 #include "sources/ros/ros_recording.h"
 
 namespace superray {
@@ -165,11 +164,7 @@ class Ros1Bag final : public RosFile {
                                      " bytes, " + std::to_string(size) + " are told");
             chunk_ = std::move(data_);
         } else {
-            try {
-                chunk_ = decompressChunk(compression, data_, size);
-            } catch (const InputError& e) {
-                throw InputError(path() + ": " + e.what());
-            }
+            chunk_ = unpacked(compression, data_, size);
         }
         inChunk_ = ByteCursor(chunk_);
     }

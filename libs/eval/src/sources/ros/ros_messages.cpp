@@ -5,12 +5,10 @@
 
 #include <cmath>
 
+#include "sources/clock_time.h"
+
 namespace superray {
 namespace {
-
-/// Ticks of mrpt::Clock in a second, and at 1970.
-constexpr std::int64_t kTicks = 10'000'000, kEpoch = 116'444'736'000'000'000;
-constexpr std::int64_t kNanosecondsPerTick = 100;
 
 mrpt::Clock::time_point readStamp(MessageCursor& in) {
     const std::int64_t seconds = in.kind() == Serialisation::ros1
@@ -20,8 +18,7 @@ mrpt::Clock::time_point readStamp(MessageCursor& in) {
     if (nanoseconds >= 1'000'000'000)
         throw MalformedBytes("a stamp has " + std::to_string(nanoseconds) + " nanoseconds");
     if (seconds == 0 && nanoseconds == 0) return {};
-    return mrpt::Clock::time_point(
-        mrpt::Clock::duration(kEpoch + seconds * kTicks + nanoseconds / kNanosecondsPerTick));
+    return timeOfStamp(seconds, nanoseconds);
 }
 
 /// Translation or position, then rotation or orientation.

@@ -4,6 +4,7 @@
 #include <superray/eval/input_error.h>
 
 #include "sources/ros/byte_cursor.h"
+#include "sources/ros/chunk_codec.h"
 
 namespace superray {
 
@@ -19,6 +20,15 @@ std::optional<RosMessage> RosFile::next() {
         throw InputError(path() + ": is damaged: " + e.what() + after());
     } catch (const TruncatedInputError& e) {
         throw TruncatedInputError(e.what() + after());
+    }
+}
+
+std::string RosFile::unpacked(std::string_view codec, std::string_view packed,
+                              std::uint64_t size) const {
+    try {
+        return decompressChunk(codec, packed, size);
+    } catch (const InputError& e) {
+        throw InputError(path() + ": " + e.what());
     }
 }
 

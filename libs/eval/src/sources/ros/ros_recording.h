@@ -71,6 +71,9 @@ class RosFile : public RosRecording {
  protected:
     /// As next(); may throw MalformedBytes, too.
     virtual std::optional<RosMessage> read() = 0;
+    /// See decompressChunk(); errors name the file.
+    std::string unpacked(std::string_view codec, std::string_view packed,
+                         std::uint64_t size) const;
 };
 
 /// ROS 1, version 2.0; `.bag`. Chunks may be plain, bz2 or lz4. Counts in the index must be

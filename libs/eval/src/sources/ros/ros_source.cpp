@@ -45,18 +45,15 @@ class RosSource final : public ScanSource {
             if (!acceptsLabel(options_, recording_->topics().at(message->topic).name)) continue;
             auto scan = contents_.readScan(*recording_, *message, recording_->messages());
             if (!scan) continue;
-            auto& observation = *scan->observation;
-            const Place place{observation.timestamp, recording_->messages(),
+            const Place place{scan->observation->timestamp, recording_->messages(),
                               recording_->messages()};
-            const PoseAnswer mount = mountAt(scan->frame, place);
-            const PoseAnswer answer = mount.pose ? poses_->at(place) : mount;
+            const PoseAnswer mounted = mountAt(scan->frame, place);
+            const PoseAnswer answer = mounted.pose ? poses_->at(place) : mounted;
             if (answer.pose) {
                 if (delivered_ == total_) return std::nullopt;
                 ++delivered_;
-                mrpt::poses::CPose3D T_frame_sensor;
-                observation.getSensorPose(T_frame_sensor);
-                observation.setSensorPose(*mount.pose + T_frame_sensor);
-                return Scan{observation.timestamp, *answer.pose, scan->observation};
+                mount(*scan, *mounted.pose);
+                return Scan{place.time, *answer.pose, scan->observation};
             }
             if (!place.hasTime())
                 ++skipped_.withoutTime;
@@ -77,10 +74,7 @@ class RosSource final : public ScanSource {
     }
 
     PoseAnswer mountAt(const std::string& frame, const Place& place) const {
-        const auto found = robot_.mounts.find(frame);
-        return found == robot_.mounts.end()
-                   ? PoseAnswer{}
-                   : found->second.at(place.time, poseLimits(options_));
+        return robot_.mountAt(frame, place.time, poseLimits(options_));
     }
 
     void givePoses() {

@@ -15,7 +15,7 @@
 #include <limits>
 #include <map>
 
-#include "sources/ros/bounded_file.h"
+#include "sources/bounded_file.h"
 #endif
 
 namespace superray {

@@ -9,10 +9,9 @@
 
 #include <superray/eval/input_error.h>
 
-#include <array>
-#include <cstring>
-#include <filesystem>
+#include <algorithm>
 
+#include "sources/clock_time.h"
 #include "sources/object_reader.h"
 
 namespace superray {
@@ -79,14 +78,11 @@ DatagramChecksum checksumOf(const unsigned char* ip, std::size_t ipBytes,
 
 }  // namespace
 
-PcapFile::PcapFile(const std::string& path) : path_(path), file_(path, std::ios::binary) {
-    std::error_code error;
-    size_ = std::filesystem::file_size(path, error);
-    std::array<unsigned char, kFileHeader> header{};
-    if (!file_ || error) throw InputError(path + ": cannot be opened for reading");
-    file_.read(reinterpret_cast<char*>(header.data()), header.size());
+PcapFile::PcapFile(const std::string& path) : path_(path), file_(path) {
+    std::string header = file_.read(std::min<std::uint64_t>(kFileHeader, file_.size()));
+    header.resize(kFileHeader);
     const auto is = [&](std::initializer_list<unsigned char> magic) {
-        return std::equal(magic.begin(), magic.end(), header.begin());
+        return std::equal(magic.begin(), magic.end(), bytesAt(header));
     };
     if (is({0x0A, 0x0D, 0x0D, 0x0A}))
         throw InputError(path +
@@ -94,12 +90,12 @@ PcapFile::PcapFile(const std::string& path) : path_(path), file_(path, std::ios:
                          "'editcap -F pcap IN.pcapng OUT.pcap' (package wireshark-common)");
     const bool micro = is({0xD4, 0xC3, 0xB2, 0xA1}), nano = is({0x4D, 0x3C, 0xB2, 0xA1});
     const bool bigMicro = is({0xA1, 0xB2, 0xC3, 0xD4}), bigNano = is({0xA1, 0xB2, 0x3C, 0x4D});
-    if (file_.gcount() != kFileHeader || !(micro || nano || bigMicro || bigNano))
+    if (file_.size() < kFileHeader || !(micro || nano || bigMicro || bigNano))
         throw InputError(path + ": is not a network capture of libpcap's format");
     bigEndian_ = bigMicro || bigNano;
     ticks_ = micro || bigMicro ? 1000000 : 1000000000;
     constexpr std::uint32_t kTypeBits = 0x0FFFFFFF;  // the others are of check sequences
-    link_ = number(header.data() + 20) & kTypeBits;
+    link_ = number(bytesAt(header, 20)) & kTypeBits;
     for (const LinkType known : {kEthernet, kBareIp, kLinuxAny, kBareIpv4, kLinuxAny2})
         if (link_ == known) return;
     throw InputError(path + ": has packets of link type " + std::to_string(link_) +
@@ -111,17 +107,23 @@ std::uint32_t PcapFile::number(const unsigned char* b) const {
     return byte(0) | byte(1) << 8 | byte(2) << 16 | byte(3) << 24;
 }
 
+std::string PcapFile::readPart(std::uint64_t bytes, const std::string& where) {
+    try {
+        return file_.read(bytes);
+    } catch (const TruncatedInputError&) {
+        throw TruncatedInputError(where + ": the file ends within it");
+    }
+}
+
 bool PcapFile::nextRecord() {
-    start_ = static_cast<std::uint64_t>(file_.tellg());
-    if (start_ == size_) return false;
+    start_ = file_.position();
+    if (file_.left() == 0) return false;
     ++packets_;
     const std::string where = path_ + ": packet " + std::to_string(packets_) + ", at byte " +
-                              std::to_string(start_) + " of " + std::to_string(size_);
-    std::array<unsigned char, kRecordHeader> header{};
-    file_.read(reinterpret_cast<char*>(header.data()), header.size());
-    if (!file_) throw TruncatedInputError(where + ": the file ends within it");
-    const std::uint32_t fraction = number(header.data() + 4);
-    const std::uint32_t stored = number(header.data() + 8), sent = number(header.data() + 12);
+                              std::to_string(start_) + " of " + std::to_string(file_.size());
+    const std::string header = readPart(kRecordHeader, where);
+    const std::uint32_t fraction = number(bytesAt(header, 4));
+    const std::uint32_t stored = number(bytesAt(header, 8)), sent = number(bytesAt(header, 12));
     if (fraction >= ticks_)
         throw InputError(where + ": is damaged: its time has a fraction of " +
                          std::to_string(fraction) + ", must be below " +
@@ -130,12 +132,9 @@ bool PcapFile::nextRecord() {
         throw InputError(where + ": is damaged: " + std::to_string(stored) + " of " +
                          std::to_string(sent) + " bytes (at most " +
                          std::to_string(kLargestPacket) + " are possible)");
-    bytes_.resize(stored);
-    file_.read(bytes_.data(), stored);
-    if (file_.gcount() != static_cast<std::streamsize>(stored))
-        throw TruncatedInputError(where + ": the file ends within it");
-    time_ = mrpt::Clock::fromDouble(number(header.data())) +
-            mrpt::Clock::duration(std::uint64_t{fraction} * 10000000 / ticks_);
+    bytes_ = readPart(stored, where);
+    constexpr std::int64_t kNanoseconds = 1'000'000'000;
+    time_ = timeOfStamp(number(bytesAt(header)), fraction * (kNanoseconds / ticks_));
     return true;
 }
 
@@ -173,8 +172,7 @@ std::optional<Datagram> PcapFile::next() {
 }
 
 void PcapFile::seek(const Datagram& datagram) {
-    file_.clear();
-    file_.seekg(static_cast<std::streamoff>(datagram.offset));
+    file_.seek(datagram.offset);
     packets_ = datagram.packet - 1;
 }
 

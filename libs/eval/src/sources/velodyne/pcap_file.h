@@ -7,9 +7,10 @@
 #include <mrpt/core/Clock.h>
 
 #include <cstdint>
-#include <fstream>
 #include <optional>
 #include <string>
+
+#include "sources/bounded_file.h"
 
 namespace superray {
 
@@ -46,11 +47,12 @@ class PcapFile {
  private:
     std::uint32_t number(const unsigned char* bytes) const;
     bool nextRecord();
+    /// Of the packet that `where` names.
+    std::string readPart(std::uint64_t bytes, const std::string& where);
     std::optional<Datagram> datagram() const;
 
     std::string path_;
-    std::ifstream file_;
-    std::uint64_t size_ = 0;  ///< of the file [bytes]
+    BoundedFile file_;
     bool bigEndian_ = false;
     std::uint32_t ticks_ = 0;  ///< of a second
     std::uint32_t link_ = 0;   ///< LINKTYPE_ of the packets

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sources/ros/bounded_file.h"
+#include "sources/bounded_file.h"
 
 #include <superray/eval/input_error.h>
 

@@ -25,6 +25,7 @@ class BoundedFile {
     /// Leaves bytes out. \throws TruncatedInputError
     void skip(std::uint64_t count);
 
+    /// \pre position <= size()
     void seek(std::uint64_t position);
 
  private:
