@@ -14,22 +14,13 @@
 #include <new>
 
 #include "failing_allocations.h"
+#include "maps/occupancy_of.h"
 #include "maps/test_scans.h"
 
 namespace superray {
 namespace {
 
 using mrpt::poses::CPose3D;
-
-/// The grid or octree map that a map is or holds.
-template <int Dim>
-const CSuperRayMapBase<Dim>& cellsOf(const CSuperRayMapBase<Dim>& map) {
-    return map;
-}
-template <int Dim>
-const CSuperRayMapBase<Dim>& cellsOf(const CSuperRayPointsMap<Dim>& map) {
-    return map.occupancy();
-}
 
 template <int Dim>
 using Blocks = std::map<BlockKey<Dim>, std::map<int, float>>;
@@ -69,6 +60,20 @@ void expectDerivedAgrees(const CSuperRayPointsMap<Dim>& map) {
     }
 }
 
+/// Inserts while only so many allocations succeed. \return whether that threw
+bool failsAfter(int succeeding, mrpt::maps::CMetricMap& map,
+                const mrpt::obs::CObservation& observation, const CPose3D& pose) {
+    test::allocations.allowed = succeeding;
+    bool threw = false;
+    try {
+        map.insertObservation(observation, pose);
+    } catch (const std::exception&) {  // MRPT may wrap bad_alloc
+        threw = true;
+    }
+    test::allocations.allowed = -1;
+    return threw;
+}
+
 template <class Map>
 class InsertionFailure : public ::testing::Test {};
 using Maps = ::testing::Types<CSuperRayGridMap2D, CSuperRayQuadMap, CSuperRayGridMap3D,
@@ -85,33 +90,26 @@ TYPED_TEST(InsertionFailure, LeavesEachBlockOldOrNewAndAllElseInAgreement) {
         return map;
     };
     const auto undisturbed = filled();
-    const auto before = blocksOf(cellsOf(*undisturbed));
+    const auto before = blocksOf(test::occupancyOf(*undisturbed));
     test::allocations.asked = 0;
     undisturbed->insertObservation(*second, moved);
     const int needed = test::allocations.asked;
     ASSERT_GT(needed, 10);
-    const auto after = blocksOf(cellsOf(*undisturbed));
+    const auto after = blocksOf(test::occupancyOf(*undisturbed));
     ASSERT_NE(before, after);
 
     int failures = 0;
     for (int succeeding = 0; succeeding < needed; succeeding += succeeding < 100 ? 1 : 7) {
         SCOPED_TRACE("allocation " + std::to_string(succeeding));
         const auto map = filled();
-        bool threw = false;
-        test::allocations.allowed = succeeding;
-        try {
-            map->insertObservation(*second, moved);
-        } catch (const std::exception&) {  // MRPT may wrap bad_alloc
-            threw = true;
-        }
-        test::allocations.allowed = -1;
+        const bool threw = failsAfter(succeeding, *map, *second, moved);
         failures += threw;
-        auto now = blocksOf(cellsOf(*map));
+        auto now = blocksOf(test::occupancyOf(*map));
         auto old = before;
         for (const auto& [key, cells] : after)
             ASSERT_TRUE(now[key] == cells || now[key] == old[key]);
         for (const auto& block : now) ASSERT_TRUE(after.count(block.first) != 0);
-        EXPECT_EQ(cellsOf(*map).totals().scans, threw ? 1u : 2u) << "scans counted";
+        EXPECT_EQ(test::occupancyOf(*map).totals().scans, threw ? 1u : 2u) << "scans counted";
         expectDerivedAgrees(*map);
         map->insertObservation(*first, pose);
         expectDerivedAgrees(*map);
@@ -128,7 +126,7 @@ TYPED_TEST(InsertionFailure, WithAWindowLeavesEachBlockOldNewOrForgotten) {
     const CPose3D pose(0.3, 0, 0, 0.2, 0, 0), moved(6, 0.5, 0, 0.4, 0, 0);
     const auto filled = [&] {
         auto map = std::make_unique<TypeParam>(0.2);
-        TMapOptions options = cellsOf(*map).options();
+        TMapOptions options = test::occupancyOf(*map).options();
         options.insertion.windowRadius = 2;
         map->setOptions(options);
         map->insertObservation(*first, pose);
@@ -136,33 +134,26 @@ TYPED_TEST(InsertionFailure, WithAWindowLeavesEachBlockOldNewOrForgotten) {
         return map;
     };
     const auto undisturbed = filled();
-    const auto before = blocksOf(cellsOf(*undisturbed));
+    const auto before = blocksOf(test::occupancyOf(*undisturbed));
     TypeParam unlimited(*undisturbed);
-    TMapOptions options = cellsOf(unlimited).options();
+    TMapOptions options = test::occupancyOf(unlimited).options();
     options.insertion.windowRadius = 0;
     unlimited.setOptions(options);
     unlimited.insertObservation(*second, moved);
-    auto after = blocksOf(cellsOf(unlimited));
+    auto after = blocksOf(test::occupancyOf(unlimited));
     test::allocations.asked = 0;
     undisturbed->insertObservation(*second, moved);
     const int needed = test::allocations.asked;
-    EXPECT_GT(cellsOf(*undisturbed).lastInsertion().forgottenBlocks, 0u);
+    EXPECT_GT(test::occupancyOf(*undisturbed).lastInsertion().forgottenBlocks, 0u);
 
     int failures = 0, late = 0;
     for (int succeeding = 0; succeeding < needed; succeeding += 3) {
         SCOPED_TRACE("allocation " + std::to_string(succeeding));
         const auto map = filled();
-        bool threw = false;
-        test::allocations.allowed = succeeding;
-        try {
-            map->insertObservation(*second, moved);
-        } catch (const std::exception&) {
-            threw = true;
-        }
-        test::allocations.allowed = -1;
+        const bool threw = failsAfter(succeeding, *map, *second, moved);
         failures += threw;
         auto old = before;
-        for (const auto& [key, cells] : blocksOf(cellsOf(*map))) {
+        for (const auto& [key, cells] : blocksOf(test::occupancyOf(*map))) {
             ASSERT_TRUE(cells == after[key] || cells == old[key]);
             old.erase(key);
         }
@@ -181,7 +172,7 @@ TYPED_TEST(InsertionFailure, OfACopyLeavesTheOriginalForARetry) {
     TypeParam undisturbed(0.2), map(0.2);
     for (TypeParam* m : {&undisturbed, &map}) m->insertObservation(*first, {});
     undisturbed.insertObservation(*second, {});
-    const std::string before = cellsOf(map).digest();
+    const std::string before = test::occupancyOf(map).digest();
     int failures = 0;
     for (int succeeding = 0; succeeding < 400; succeeding += 9) {
         TypeParam trial(map);
@@ -192,11 +183,11 @@ TYPED_TEST(InsertionFailure, OfACopyLeavesTheOriginalForARetry) {
             ++failures;
         }
         test::allocations.allowed = -1;
-        ASSERT_EQ(cellsOf(map).digest(), before);
+        ASSERT_EQ(test::occupancyOf(map).digest(), before);
     }
     EXPECT_GT(failures, 3);
     map.insertObservation(*second, {});
-    EXPECT_EQ(cellsOf(map).digest(), cellsOf(undisturbed).digest());
+    EXPECT_EQ(test::occupancyOf(map).digest(), test::occupancyOf(undisturbed).digest());
 }
 
 }  // namespace

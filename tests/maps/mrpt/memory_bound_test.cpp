@@ -10,6 +10,7 @@
 #include <superray/maps/CSuperRayQuadMap.h>
 #include <superray/storage/memory_limit_error.h>
 
+#include "maps/occupancy_of.h"
 #include "maps/test_scans.h"
 
 namespace superray {
@@ -18,15 +19,6 @@ namespace {
 using mrpt::poses::CPose3D;
 
 constexpr std::size_t kMebi = std::size_t{1} << 20;
-
-template <int Dim>
-const CSuperRayMapBase<Dim>& cellsOf(const CSuperRayMapBase<Dim>& map) {
-    return map;
-}
-template <int Dim>
-const CSuperRayMapBase<Dim>& cellsOf(const CSuperRayPointsMap<Dim>& map) {
-    return map.occupancy();
-}
 
 template <class Map>
 constexpr int cellDimension =
@@ -42,7 +34,7 @@ class MemoryBound : public ::testing::Test {
     static std::unique_ptr<Map> bounded(std::uint32_t megabytes, Method method,
                                         unsigned threads, double windowRadius = 0) {
         auto map = std::make_unique<Map>(0.1);
-        TMapOptions options = cellsOf(*map).options();
+        TMapOptions options = test::occupancyOf(*map).options();
         options.creation.max_memory_megabytes = megabytes;
         options.insertion.method = method;
         options.insertion.threads = threads;
@@ -66,10 +58,10 @@ TYPED_TEST_SUITE(MemoryBound, Maps);
 template <class Map>
 struct State {
     explicit State(const Map& map)
-        : digest(cellsOf(map).digest()),
-          options(cellsOf(map).optionsAsIniText()),
-          stamp(cellsOf(map).changeStamp()),
-          scans(cellsOf(map).totals().scans),
+        : digest(test::occupancyOf(map).digest()),
+          options(test::occupancyOf(map).optionsAsIniText()),
+          stamp(test::occupancyOf(map).changeStamp()),
+          scans(test::occupancyOf(map).totals().scans),
           held(map.heldBytes()) {
         if constexpr (std::is_base_of_v<mrpt::maps::CPointsMap, Map>) {
             for (std::size_t i = 0; i < map.size(); ++i) {
@@ -118,14 +110,14 @@ TYPED_TEST(MemoryBound, IsKeptAndTheScanThatWouldPassItChangesNothing) {
             }
             EXPECT_GT(scan, 1);
             EXPECT_GT(map->heldBytes(), kBound / 4) << "far too early";
-            EXPECT_EQ(cellsOf(*map).digest(), cellsOf(*twin).digest());
+            EXPECT_EQ(test::occupancyOf(*map).digest(), test::occupancyOf(*twin).digest());
             // The same scan fits a map with a higher bound.
-            TMapOptions options = cellsOf(*map).options();
+            TMapOptions options = test::occupancyOf(*map).options();
             options.creation.max_memory_megabytes = 64;
             map->setOptions(options);
             EXPECT_TRUE(map->insertObservation(*this->scanOf(scan), this->poseOf(scan)));
             twin->insertObservation(*this->scanOf(scan), this->poseOf(scan));
-            EXPECT_EQ(cellsOf(*map).digest(), cellsOf(*twin).digest());
+            EXPECT_EQ(test::occupancyOf(*map).digest(), test::occupancyOf(*twin).digest());
         }
 }
 
@@ -139,8 +131,8 @@ TYPED_TEST(MemoryBound, WithAWindowAMapLivesForEver) {
         twin->insertObservation(*observation, this->poseOf(scan));
         ASSERT_LE(map->heldBytes(), 4 * kMebi) << scan;
     }
-    EXPECT_EQ(cellsOf(*map).digest(), cellsOf(*twin).digest());
-    EXPECT_GT(cellsOf(*map).totals().forgottenBlocks, 50u);
+    EXPECT_EQ(test::occupancyOf(*map).digest(), test::occupancyOf(*twin).digest());
+    EXPECT_GT(test::occupancyOf(*map).totals().forgottenBlocks, 50u);
 }
 
 TYPED_TEST(MemoryBound, LargerFilesAndStreamsAreRefused) {
@@ -149,7 +141,7 @@ TYPED_TEST(MemoryBound, LargerFilesAndStreamsAreRefused) {
         large->insertObservation(*this->scanOf(scan), this->poseOf(scan));
     const test::TempFolder folder;
     const std::string path = folder.file("large.srmap");
-    cellsOf(*large).saveToFile(path);
+    test::occupancyOf(*large).saveToFile(path);
 
     const auto map = this->bounded(1, Method::automatic, 1);
     map->insertObservation(*test::randomCloud(50, 5), {});
@@ -165,19 +157,19 @@ TYPED_TEST(MemoryBound, LargerFilesAndStreamsAreRefused) {
     EXPECT_CONTAINS(refused, "max_memory_megabytes");
     EXPECT_TRUE(State(*map) == before);
 
-    TMapOptions options = cellsOf(*map).options();
+    TMapOptions options = test::occupancyOf(*map).options();
     options.creation.load_from = path;
     EXPECT_THROW(map->setOptions(options), MemoryLimitError);
     EXPECT_TRUE(State(*map) == before);
     // The bound of the options counts, not that of before.
     options.creation.max_memory_megabytes = 64;
     map->setOptions(options);
-    EXPECT_EQ(cellsOf(*map).digest(), cellsOf(*large).digest());
-    EXPECT_EQ(cellsOf(*map).options().creation.max_memory_megabytes, 64u);
+    EXPECT_EQ(test::occupancyOf(*map).digest(), test::occupancyOf(*large).digest());
+    EXPECT_EQ(test::occupancyOf(*map).options().creation.max_memory_megabytes, 64u);
     options.creation.load_from.clear();
     options.creation.max_memory_megabytes = 1;
     EXPECT_THROW(map->setOptions(options), MemoryLimitError) << "it holds more";
-    EXPECT_EQ(cellsOf(*map).options().creation.max_memory_megabytes, 64u);
+    EXPECT_EQ(test::occupancyOf(*map).options().creation.max_memory_megabytes, 64u);
 }
 
 TYPED_TEST(MemoryBound, TheTighterBoundIsKeptWhenAMapIsLoaded) {
@@ -185,12 +177,12 @@ TYPED_TEST(MemoryBound, TheTighterBoundIsKeptWhenAMapIsLoaded) {
     const std::string path = folder.file("small.srmap");
     const auto saved = this->bounded(20, Method::automatic, 1);
     saved->insertObservation(*test::randomCloud(50, 5), {});
-    cellsOf(*saved).saveToFile(path);
+    test::occupancyOf(*saved).saveToFile(path);
     for (const auto& [own, kept] : {std::pair{0u, 20u}, {10u, 10u}, {30u, 20u}}) {
         const auto map = this->bounded(own, Method::automatic, 1);
         map->loadFromFile(path);
-        EXPECT_EQ(cellsOf(*map).options().creation.max_memory_megabytes, kept);
-        EXPECT_EQ(cellsOf(*map).digest(), cellsOf(*saved).digest());
+        EXPECT_EQ(test::occupancyOf(*map).options().creation.max_memory_megabytes, kept);
+        EXPECT_EQ(test::occupancyOf(*map).digest(), test::occupancyOf(*saved).digest());
     }
 }
 
@@ -209,7 +201,7 @@ TYPED_TEST(MemoryBound, FilesOfABoundedMapCanBeLoadedWithinIt) {
         EXPECT_EQ(loaded.digest(), map->digest());
     }
     const TypeParam copy(*map);
-    EXPECT_EQ(cellsOf(copy).options().creation.max_memory_megabytes, 4u);
+    EXPECT_EQ(test::occupancyOf(copy).options().creation.max_memory_megabytes, 4u);
 }
 
 TEST(MemoryBoundOfMaps, MergesAreRefused) {
