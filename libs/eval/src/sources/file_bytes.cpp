@@ -17,11 +17,11 @@ std::string readFileBytes(const std::string& path, std::uint64_t most) {
     requireRegularFile(path);
     std::ifstream file(path, std::ios::binary);
     if (!file) throw InputError(path + ": cannot be opened for reading");
-    const auto size = std::min<std::uintmax_t>(std::filesystem::file_size(path), most);
+    const auto size = std::filesystem::file_size(path);
     if (size > kLargest)
         throw InputError(path + ": has " + std::to_string(size) + " bytes; clouds of at most " +
                          std::to_string(kLargest) + " are read");
-    std::string bytes(size, '\0');
+    std::string bytes(std::min<std::uint64_t>(size, most), '\0');
     file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     if (file.gcount() != static_cast<std::streamsize>(bytes.size()))
         throw InputError(path + ": cannot be read");
