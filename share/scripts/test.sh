@@ -28,7 +28,6 @@ options=(-DSUPERRAY_BUILD_TESTS=ON)
 cmake --preset "$preset" "${options[@]}"
 cmake --build --preset "$preset" --parallel "$(nproc)" ${targets[@]+"${targets[@]}"}
 status=0
-ctest --test-dir "build/$preset" --output-on-failure --no-tests=error \
-    --parallel "$(nproc)" "$@" || status=$?
+ctest --preset "$preset" --no-tests=error --parallel "$(nproc)" "$@" || status=$?
 python3 share/scripts/skipped_tests.py "build/$preset/Testing/Temporary/LastTest.log"
 exit "$status"

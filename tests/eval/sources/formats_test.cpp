@@ -59,6 +59,54 @@ TEST(Formats, oneCloudIsARecordingAndViewpointsArePoses) {
     EXPECT_EQ(viewed.poses, "viewpoints of the files, 1");
 }
 
+/// A cloud of one point, at x. \param kind "float" or "double"
+std::string binaryPly(const std::string& kind, double x) {
+    std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex 1\n";
+    for (const char* axis : {"x", "y", "z"}) bytes += "property " + kind + " " + axis + "\n";
+    bytes += "end_header\n";
+    for (const double value : {x, 1.0, 0.5}) {
+        const auto single = static_cast<float>(value);
+        if (kind == "double")
+            bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+        else
+            bytes.append(reinterpret_cast<const char*>(&single), sizeof single);
+    }
+    return bytes;
+}
+
+std::string textPcd(const std::string& x) {
+    return "VERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\n"
+           "HEIGHT 1\nPOINTS 1\nDATA ascii\n" +
+           x + " 1 0.5\n";
+}
+
+TEST(Formats, coordinatesOfACountryAreRefused) {
+    TempFolder folder;
+    ScanSourceOptions fixed;
+    fixed.poses = PoseOrigin::fixed;
+    const auto error = [&](const std::string& name, const std::string& bytes) {
+        return messageOf<InputError>([&] { build(folder.write(name, bytes), fixed); });
+    };
+    for (const double x : {431234.56, -431234.5, 5.6e6}) {
+        const auto message = error("a.ply", binaryPly("double", x));
+        expectPart(message, "a.ply: has points at x " + std::string(x < 0 ? "-" : ""));
+        expectPart(message, "las2las -translate_xyz, or pdal translate");
+    }
+    expectPart(error("a.pcd", textPcd("431234.56")), "a.pcd: has points at x 431234.56 m");
+    // Values that tell of no point are skipped.
+    const auto one = build(folder.write("a.pcd", textPcd("2.3456789")), fixed).digest;
+    for (const char* x : {"nan", "1e9", "-1e300"}) {
+        auto two = textPcd("2.3456789");
+        for (const std::string key : {"WIDTH", "POINTS"})
+            two.replace(two.find(key + " 1"), key.size() + 2, key + " 2");
+        EXPECT_EQ(build(folder.write("a.pcd", two + x + " 1 0.5\n"), fixed).digest, one) << x;
+    }
+    // Rounding to single precision is no loss.
+    EXPECT_EQ(build(folder.write("a.pcd", textPcd("2.3456789")), fixed).scans, 1u);
+    EXPECT_EQ(build(folder.write("a.ply", binaryPly("double", 2.3456789)), fixed).digest,
+              build(folder.write("b.ply", binaryPly("float", 2.3456789)), fixed).digest);
+}
+
 TEST(Formats, kittiFoldersGiveTheMapOfTheRawlog) {
     const auto expected = expectedDigest();
     const auto sequence = sample("kitti/sequences/07");

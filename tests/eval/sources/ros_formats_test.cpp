@@ -6,6 +6,7 @@
 #include <superray/eval/input_error.h>
 #include <superray/eval/recording_info.h>
 
+#include <cstring>
 #include <filesystem>
 
 #include "eval/sources/ros_samples.h"
@@ -39,6 +40,19 @@ TEST(RosFormats, bigEndianPaddedAndDoubleCloudsAreTheSame) {
     const auto built = build(sample("ros1/layouts.bag"));
     EXPECT_EQ(built.digest, expectedRosDigest(rosCloud));
     expectPart(built.poses, "odometry '/odom', 3, 0.0 to 1.0 s, of the frame 'base_link'");
+}
+
+TEST(RosFormats, coordinatesOfACountryAreRefused) {
+    auto bag = readWholeFile(sample("ros1/layouts.bag"));
+    // The second point of the last scan, whose coordinates are doubles.
+    const double first = (37 + 2 * 11 - 100) / 16.0, far = 431234.56;
+    const auto at = bag.find(std::string(reinterpret_cast<const char*>(&first), sizeof first));
+    ASSERT_NE(at, std::string::npos);
+    std::memcpy(&bag[at], &far, sizeof far);
+    TempFolder folder;
+    const auto error = errorOf(folder.write("far.bag", bag));
+    expectPart(error, "has points at x 431234.56 m: coordinates of a country");
+    expectPart(error, "sensor_msgs/PointCloud2");
 }
 
 TEST(RosFormats, posesOfTwoSourcesAreRefusedUntilOneIsChosen) {

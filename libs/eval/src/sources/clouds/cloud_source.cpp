@@ -6,6 +6,7 @@
 #include <superray/maps/option_text.h>
 
 #include "sources/clouds/cloud_files.h"
+#include "sources/clouds/sensor_points.h"
 #include "sources/folders/frame_source.h"
 
 namespace superray {
@@ -18,9 +19,15 @@ bool is(const char* extension, const fs::path& path) {
 }
 
 mrpt::maps::CSimplePointsMap::Ptr readCloud(const fs::path& path) {
-    if (is(".ply", path)) return readPly(path.string());
-    if (is(".las", path)) return readLas(path.string());
-    return readPcd(path.string());
+    try {
+        if (is(".ply", path)) return readPly(path.string());
+        if (is(".las", path)) return readLas(path.string());
+        return readPcd(path.string());
+    } catch (const FarCoordinate& e) {
+        throw InputError(path.string() + ": " + e.what() +
+                         ". Move it: las2las -translate_xyz, or pdal translate with "
+                         "filters.transformation");
+    }
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "sources/clouds/cloud_files.h"
+#include "sources/clouds/sensor_points.h"
 #include "sources/file_bytes.h"
 
 namespace superray {
@@ -37,9 +38,6 @@ enum HeaderOffset : std::size_t {
     kCount64 = 247
 };
 
-/// Single precision tells 1 mm at 16 km.
-constexpr double kFarthest = 16384;
-
 class LasReader {
  public:
     explicit LasReader(const std::string& path) : path_(path), bytes_(readFileBytes(path)) {
@@ -54,9 +52,8 @@ class LasReader {
             std::array<double, 3> p{};
             for (std::size_t axis = 0; axis < 3; ++axis)
                 p[axis] = coordinate(axis, read<std::int32_t>(at + 4 * axis), i);
-            if (!isWithheld(at))
-                points->insertPointFast(static_cast<float>(p[0]), static_cast<float>(p[1]),
-                                        static_cast<float>(p[2]));
+
+            if (!isWithheld(at)) addSensorPoint(*points, p[0], p[1], p[2]);
         }
         points->mark_as_modified();
         return points;
@@ -144,7 +141,7 @@ class LasReader {
         return (read<std::uint8_t>(at + kFlags) & bit) != 0;
     }
 
-    /// \throws InputError if the header says that none is there, or it is too far away
+    /// \throws InputError if the header says that none is there
     double coordinate(std::size_t axis, std::int32_t number, std::uint64_t point) const {
         const double value = number * scales_[axis] + offsets_[axis];
         const double tolerance = scales_[axis] + 1e-9 * std::abs(value);
@@ -153,11 +150,6 @@ class LasReader {
             fail("point " + std::to_string(point + 1) + " has " + name + " " + text(value) +
                  ", but its header says " + text(smallest_[axis]) + " to " +
                  text(largest_[axis]) + " ('pdal translate' writes a new header)");
-        if (std::abs(value) > kFarthest)
-            throw InputError(
-                path_ + ": has points at " + name + " " + text(value) +
-                " m: coordinates of a country, not of a scan in the frame of its sensor. Move "
-                "it: las2las -translate_xyz, or pdal translate with filters.transformation");
         return value;
     }
 

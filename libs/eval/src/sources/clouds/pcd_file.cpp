@@ -9,6 +9,7 @@
 
 #include "sources/clouds/cloud_files.h"
 #include "sources/clouds/scalar_field.h"
+#include "sources/clouds/sensor_points.h"
 #include "sources/file_bytes.h"
 #include "sources/text_numbers.h"
 
@@ -185,7 +186,7 @@ class PcdReader {
                     fail("point " + std::to_string(rows + 1) + " has " +
                          std::to_string(words.size()) + " values, must have " +
                          std::to_string(header_.columns));
-                points.insertPointFast(value(words[x]), value(words[y]), value(words[z]));
+                addSensorPoint(points, value(words[x]), value(words[y]), value(words[z]));
                 ++rows;
             }
             at_ = std::min(end + 1, bytes_.size());
@@ -195,11 +196,11 @@ class PcdReader {
                  " points");
     }
 
-    float value(const std::string& word) const {
-        if (word == "nan" || word == "-nan" || word == "NaN") return std::nanf("");
+    double value(const std::string& word) const {
+        if (word == "nan" || word == "-nan" || word == "NaN") return std::nan("");
         const auto number = parseNumber(word);
         if (!number) fail("'" + word + "' is not a number");
-        return static_cast<float>(*number);
+        return *number;
     }
 
     void readRecords(const char* records, mrpt::maps::CSimplePointsMap& points) const {
@@ -207,7 +208,7 @@ class PcdReader {
                           z = fieldOf("z").scalar;
         points.reserve(header_.points);
         for (std::uint64_t i = 0; i < header_.points; ++i, records += header_.pointBytes)
-            points.insertPointFast(x.read(records), y.read(records), z.read(records));
+            addSensorPoint(points, x.read(records), y.read(records), z.read(records));
     }
 
     /// Two sizes, then LZF data: field by field, where a record is point by point.
@@ -236,7 +237,7 @@ class PcdReader {
         };
         points.reserve(header_.points);
         for (std::uint64_t i = 0; i < header_.points; ++i)
-            points.insertPointFast(at(x, i), at(y, i), at(z, i));
+            addSensorPoint(points, at(x, i), at(y, i), at(z, i));
     }
 
     /// LZF: runs of up to 32 bytes as they are, and copies of up to 264 bytes from up to

@@ -9,6 +9,7 @@
 
 #include "sources/clouds/cloud_files.h"
 #include "sources/clouds/scalar_field.h"
+#include "sources/clouds/sensor_points.h"
 #include "sources/file_bytes.h"
 #include "sources/text_numbers.h"
 
@@ -157,7 +158,7 @@ class PlyReader {
                 if (!number) fail("'" + word + "' is not a number");
                 return static_cast<float>(*number);
             };
-            points->insertPointFast(at("x"), at("y"), at("z"));
+            addSensorPoint(*points, at("x"), at("y"), at("z"));
         }
     }
 
@@ -174,7 +175,7 @@ class PlyReader {
         };
         for (std::uint64_t i = 0; i < element.count; ++i)
             for (const Property& property : element.properties) {
-                float length = 1;
+                double length = 1;
                 if (property.length) {
                     const auto at = at_;
                     skip(1, *property.length);
@@ -195,11 +196,12 @@ class PlyReader {
             return;
         }
         points->reserve(element.count);
+        const ScalarField x = element.fields.at("x"), y = element.fields.at("y"),
+                          z = element.fields.at("z");
         for (std::uint64_t i = 0; i < element.count; ++i, at_ += element.bytes) {
             const char* record = bytes_.data() + at_;
-            points->insertPointFast(element.fields.at("x").read(record, order()),
-                                    element.fields.at("y").read(record, order()),
-                                    element.fields.at("z").read(record, order()));
+            addSensorPoint(*points, x.read(record, order()), y.read(record, order()),
+                           z.read(record, order()));
         }
     }
 

@@ -26,13 +26,13 @@ struct ScalarField {
     }
 
     /// \param record of at least offset + bytes; this machine is little endian
-    float read(const char* record, ByteOrder order = ByteOrder::little) const {
+    double read(const char* record, ByteOrder order = ByteOrder::little) const {
         std::array<char, 8> raw{};
         std::copy_n(record + offset, bytes, raw.begin());
         if (order == ByteOrder::big)
             std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(bytes));
         if (kind == ScalarKind::real)
-            return bytes == 4 ? as<float>(raw) : static_cast<float>(as<double>(raw));
+            return bytes == 4 ? double{as<float>(raw)} : as<double>(raw);
         const bool isSigned = kind == ScalarKind::signedInt;
         switch (bytes) {
             case 1:
@@ -54,8 +54,8 @@ struct ScalarField {
         return value;
     }
     template <class T>
-    static float number(const std::array<char, 8>& raw) {
-        return static_cast<float>(as<T>(raw));
+    static double number(const std::array<char, 8>& raw) {
+        return static_cast<double>(as<T>(raw));
     }
 };
 

@@ -62,7 +62,7 @@ void addPoints(const ImageShape& shape, const char* data, std::size_t step, Byte
     const ScalarField real;
     for (std::size_t r = 0; r < shape.rows; ++r)
         for (std::size_t c = 0; c < shape.columns; ++c) {
-            const float depth = real.read(data + r * step + 4 * c, order);
+            const auto depth = static_cast<float>(real.read(data + r * step + 4 * c, order));
             if (!std::isfinite(depth) || depth <= 0) continue;
             const double across = (static_cast<double>(c) - camera.cx()) / camera.fx();
             const double down = (static_cast<double>(r) - camera.cy()) / camera.fy();

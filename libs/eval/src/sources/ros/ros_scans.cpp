@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sources/ros/ros_scans.h"
 
-#include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 
 #include <cmath>
 
 #include "sources/clouds/scalar_field.h"
+#include "sources/clouds/sensor_points.h"
 
 namespace superray {
 namespace {
@@ -65,6 +65,18 @@ void checkLayout(const CloudLayout& layout, std::size_t bytes) {
     if (isOneRow && bytes < row) throw MalformedBytes("its row_step is below its points");
 }
 
+void addPoints(const CloudLayout& layout, const char* data,
+               mrpt::maps::CSimplePointsMap& points) {
+    points.reserve(std::size_t{layout.height} * layout.width);
+    const auto& [x, y, z] = layout.axes;
+    for (std::size_t r = 0; r < layout.height; ++r) {
+        const char* point = data + r * (layout.height > 1 ? layout.rowStep : 0);
+        for (std::size_t c = 0; c < layout.width; ++c, point += layout.pointStep)
+            addSensorPoint(points, x.read(point, layout.order), y.read(point, layout.order),
+                           z.read(point, layout.order));
+    }
+}
+
 }  // namespace
 
 RosScan readPointCloud2(MessageCursor& in) {
@@ -83,13 +95,10 @@ RosScan readPointCloud2(MessageCursor& in) {
     if (layout.width == 0) layout.height = 0;
 
     auto points = mrpt::maps::CSimplePointsMap::Create();
-    points->reserve(std::size_t{layout.height} * layout.width);
-    const auto& [x, y, z] = layout.axes;
-    for (std::size_t r = 0; r < layout.height; ++r) {
-        const char* point = data.data() + r * (layout.height > 1 ? layout.rowStep : 0);
-        for (std::size_t c = 0; c < layout.width; ++c, point += layout.pointStep)
-            points->insertPointFast(x.read(point, layout.order), y.read(point, layout.order),
-                                    z.read(point, layout.order));
+    try {
+        addPoints(layout, data.data(), *points);
+    } catch (const FarCoordinate& e) {
+        throw MalformedBytes(e.what());
     }
     points->mark_as_modified();
     auto cloud = mrpt::obs::CObservationPointCloud::Create();
