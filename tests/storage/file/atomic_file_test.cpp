@@ -118,6 +118,7 @@ TEST_F(AtomicFileTest, ModeIsKept) {
         ASSERT_EQ(::chmod(path.c_str(), mode), 0);
         writeFileAtomically(path, "new");
         EXPECT_EQ(modeOf(path), mode);
+        ASSERT_EQ(::chmod(path.c_str(), 0600), 0);  // 0202 lets only root read it
         EXPECT_EQ(bytesOf(path), "new");
     }
 }
