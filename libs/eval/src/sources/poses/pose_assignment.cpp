@@ -72,8 +72,9 @@ void assignEqualTimes(const PoseStream& stream, const std::vector<ScanPlace>& sc
     for (const ScanPlace& s : scans) scansAt[s.place.time].push_back(s);
     for (const auto& [time, poses] : posesAt) {
         const auto scansThen = scansAt.find(time);
+        const auto first = poses.front().pose.asTPose();
         const bool differ = std::any_of(poses.begin(), poses.end(), [&](const PoseEntry& e) {
-            return e.pose.asTPose() != poses.front().pose.asTPose();
+            return e.pose.asTPose() != first;
         });
         if (differ && scansThen != scansAt.end())
             assignByOrder(poses, scansThen->second, what, to);
