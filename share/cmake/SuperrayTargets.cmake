@@ -14,6 +14,11 @@ function(superray_target_settings target)
             -Wno-sign-conversion
             # Same bits from every instruction set: no silent fused multiply-add.
             -ffp-contract=off)
+  # Headers of MRPT 2.14 and 2.15 (lock_helper.h, bonxai.hpp) have members of templates that
+  # cannot be compiled, and that nothing calls. From 19 on, clang would look at them.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 19)
+    target_compile_options(${target} PRIVATE -fdelayed-template-parsing)
+  endif()
   if(SUPERRAY_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
