@@ -10,7 +10,6 @@
 #include "fuzz/target.h"
 
 namespace superray::fuzz {
-
 namespace {
 
 /// The first byte of an input, modulo their number, chooses one.

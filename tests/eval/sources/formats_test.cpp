@@ -93,6 +93,10 @@ TEST(Formats, coordinatesOfACountryAreRefused) {
         expectPart(message, "las2las -translate_xyz, or pdal translate");
     }
     expectPart(error("a.pcd", textPcd("431234.56")), "a.pcd: has points at x 431234.56 m");
+    const std::string textPly =
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\nproperty double y\n"
+        "property double z\nend_header\n431234.56 1 0.5\n";
+    expectPart(error("b.ply", textPly), "b.ply: has points at x 431234.56 m");
     // Values that tell of no point are skipped.
     const auto one = build(folder.write("a.pcd", textPcd("2.3456789")), fixed).digest;
     for (const char* x : {"nan", "1e9", "-1e300"}) {

@@ -176,13 +176,7 @@ TYPED_TEST(InsertionFailure, OfACopyLeavesTheOriginalForARetry) {
     int failures = 0;
     for (int succeeding = 0; succeeding < 400; succeeding += 9) {
         TypeParam trial(map);
-        test::allocations.allowed = succeeding;
-        try {
-            trial.insertObservation(*second, {});
-        } catch (const std::exception&) {
-            ++failures;
-        }
-        test::allocations.allowed = -1;
+        failures += failsAfter(succeeding, trial, *second, {});
         ASSERT_EQ(test::occupancyOf(map).digest(), before);
     }
     EXPECT_GT(failures, 3);

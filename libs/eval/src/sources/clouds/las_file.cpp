@@ -52,7 +52,6 @@ class LasReader {
             std::array<double, 3> p{};
             for (std::size_t axis = 0; axis < 3; ++axis)
                 p[axis] = coordinate(axis, read<std::int32_t>(at + 4 * axis), i);
-
             if (!isWithheld(at)) addSensorPoint(*points, p[0], p[1], p[2]);
         }
         points->mark_as_modified();

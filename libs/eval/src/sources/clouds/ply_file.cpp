@@ -2,6 +2,7 @@
 #include <superray/eval/input_error.h>
 
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -153,10 +154,10 @@ class PlyReader {
                      std::to_string(element.properties.size()));
             const auto at = [&](const char* axis) {
                 const std::string& word = words[element.columnOf.at(axis)];
-                if (word.find("nan") != std::string::npos) return std::nanf("");
+                if (word.find("nan") != std::string::npos) return std::nan("");
                 const auto number = parseNumber(word);
                 if (!number) fail("'" + word + "' is not a number");
-                return static_cast<float>(*number);
+                return *number;
             };
             addSensorPoint(*points, at("x"), at("y"), at("z"));
         }
