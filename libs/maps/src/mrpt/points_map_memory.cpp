@@ -2,6 +2,7 @@
 // What the points of a points map take, for the memory bound.
 
 #include <algorithm>
+#include <unordered_set>
 
 #include "mrpt/points_map_occupancy.h"
 
@@ -40,18 +41,12 @@ std::size_t CSuperRayPointsMap<Dim>::pointBytesAtMost(std::size_t points,
 template <int Dim>
 std::size_t CSuperRayPointsMap<Dim>::pointBytesWith(
     const typename OccupancyMap<Dim>::WrittenBlocks& written) const {
-    const float occupied = occupancy_->sensorModel().occupied();
-    std::size_t points = 0, blocks = 0;
-    written([&](const BlockView<Dim>& block) {
-        const auto found = blocks_.find(block.key);
-        const std::size_t before = points;
-        for (int i = 0; i < kBlockCells<Dim>; ++i)
-            points += block.known.test(i) && block.values[i] >= occupied &&
-                      (found == blocks_.end() ||
-                       (*found->second)[static_cast<std::size_t>(i)] == kNoPoint);
-        if (found == blocks_.end() && points > before) ++blocks;
+    std::unordered_set<BlockKey<Dim>, IndexHash> blocks;
+    const std::size_t points = forEachNewPoint(written, [&](const Cell<Dim>& cell) {
+        const BlockKey<Dim> key = blockOf<Dim>(cell);
+        if (blocks_.count(key) == 0) blocks.insert(key);
     });
-    return pointBytesAtMost(points, blocks);
+    return pointBytesAtMost(points, blocks.size());
 }
 
 template <int Dim>

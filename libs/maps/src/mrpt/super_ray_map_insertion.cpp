@@ -34,6 +34,40 @@ void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>& counts) {
     for (const auto& entry : counts) changes_.add(blockOf<Dim>(entry.first));
 }
 
+namespace {
+
+/// What a scan changes in a window. \return a batch that borrows the counts
+template <int Dim>
+UpdateBatch<Dim> withinWindow(const UpdateBatch<Dim>& batch, const BlockWindow<Dim>& window) {
+    UpdateBatch<Dim> within;
+    for (std::size_t b = 0; b < batch.blockCount(); ++b)
+        if (window.holds(batch.key(b)))
+            within.borrowBlock(batch.key(b), batch.misses(b), batch.hits(b));
+    return within;
+}
+
+template <int Dim>
+CellCountMap<Dim> withinWindow(const CellCountMap<Dim>& counts,
+                               const BlockWindow<Dim>& window) {
+    CellCountMap<Dim> within;
+    for (const auto& entry : counts)
+        if (window.holds(blockOf<Dim>(entry.first))) within.insert(entry);
+    return within;
+}
+
+template <int Dim>
+void applyTo(OccupancyMap<Dim>& map, const UpdateBatch<Dim>& batch, const SensorModel& model,
+             UpdatePolicy policy, unsigned threads) {
+    map.apply(batch, model, policy, threads);
+}
+template <int Dim>
+void applyTo(OccupancyMap<Dim>& map, const CellCountMap<Dim>& counts, const SensorModel& model,
+             UpdatePolicy policy, unsigned /*threads*/) {
+    map.apply(counts, model, policy);
+}
+
+}  // namespace
+
 template <int Dim>
 template <class ToBundle>
 bool CSuperRayMapBase<Dim>::insertReturns(const mrpt::obs::CObservation& observation,
@@ -119,32 +153,12 @@ void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>& rays) {
 }
 
 template <int Dim>
-void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>& rays) {
-    if (!insertionOptions.pointStatistics) return;
+SurfaceStatistics<Dim>& CSuperRayMapBase<Dim>::makeOwnStatistics() {
     if (!surface_)
         surface_ = std::make_shared<SurfaceStatistics<Dim>>(storage_->geometry());
     else if (surface_.use_count() > 1)  // copies of this map have it too
         surface_ = std::make_shared<SurfaceStatistics<Dim>>(*surface_);
-    try {
-        surface_->add(rays);
-    } catch (...) {
-        surface_.reset();  // no statistics, rather than those of a part of the rays
-        throw;
-    }
-}
-
-template <int Dim>
-void CSuperRayMapBase<Dim>::apply(const CellCountMap<Dim>& counts) {
-    recordChange(counts);
-    view_->applied(counts);
-    storage_.writable().apply(counts, sensorModel(), insertionOptions.policy);
-}
-
-template <int Dim>
-void CSuperRayMapBase<Dim>::apply(const UpdateBatch<Dim>& batch, unsigned threads) {
-    recordChange(batch);
-    view_->applied(batch);
-    storage_.writable().apply(batch, sensorModel(), insertionOptions.policy, threads);
+    return *surface_;
 }
 
 template <int Dim>
@@ -158,7 +172,7 @@ void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>& rays, TInsertionRepo
         } catch (const MemoryLimitError&) {
             throw;  // nothing has changed
         } catch (...) {
-            // Some blocks may be new already: what is derived from them is made anew.
+            // The window may have forgotten a part: what is derived is made anew.
             contentsChanged();
             throw;
         }
@@ -174,31 +188,53 @@ void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>& rays, HitCells hitCe
     const IntegratorOptions integration = insertionOptions.integratorOptions();
     OccupancyMap<Dim>& map = storage_.writable();
     Stopwatch watch;
-    const UpdateBatch<Dim>* applied = nullptr;
-    UpdateBatch<Dim> changed;
     if (ScanIntegrator<Dim>::needsExactCounts(integration, model, &map)) {
         auto counts = countCells(rays);
         if (hitCells == HitCells::notMissed)
             counts = withoutMissesOfHitCells<Dim>(std::move(counts));
-        report.integrateSeconds = watch.lap();
         report.work.rays = rays.size();
+        report.integrateSeconds = watch.lap();
         requireRoom(counts, rays);
-        apply(counts);
+        applyChange(rays, counts, 1, report);
     } else {
-        applied = &integrator_.integrate(rays, model, integration, &map);
+        const UpdateBatch<Dim>* batch = &integrator_.integrate(rays, model, integration, &map);
         report.work = integrator_.statistics();
+        UpdateBatch<Dim> changed;
         if (hitCells == HitCells::notMissed) {
-            changed = withoutMissesOfHitCells<Dim>(*applied);
-            applied = &changed;
+            changed = withoutMissesOfHitCells<Dim>(*batch);
+            batch = &changed;
         }
         report.integrateSeconds = watch.lap();
-        apply(*applied, requireRoom(*applied, rays));
+        applyChange(rays, *batch, requireRoom(*batch, rays), report);
     }
-    addStatistics(rays);
-    const BlockKeys forgotten = slideWindow(rays);
-    report.forgottenBlocks = forgotten.size();
     report.applySeconds = watch.lap();
-    scanApplied(rays, applied, forgotten);
+}
+
+template <int Dim>
+template <class Change>
+void CSuperRayMapBase<Dim>::applyChange(const RayBundle<Dim>& rays, const Change& change,
+                                        unsigned threads, TInsertionReport& report) {
+    // What lies outside the window is forgotten first, and of the scan it is left out: so
+    // that nothing is left to do that may fail when the scan is in the map.
+    const auto window = windowAround(rays);
+    std::optional<Change> within;
+    BlockKeys forgotten;
+    if (window) {
+        within = withinWindow(change, *window);
+        forgotten = slideWindow(*window);
+    }
+    const Change& applied = within ? *within : change;
+    recordChange(applied);
+    view_->applied(applied);
+    std::optional<typename SurfaceStatistics<Dim>::Addition> patches;
+    if (insertionOptions.pointStatistics)
+        patches.emplace(makeOwnStatistics(), rays, window ? &*window : nullptr);
+    scanToCome(applied);
+    applyTo(storage_.writable(), applied, sensorModel(), insertionOptions.policy, threads);
+    // Nothing fails from here on.
+    if (patches) patches->commit();
+    scanApplied(rays, forgotten);
+    report.forgottenBlocks = forgotten.size();
 }
 
 #define SUPERRAY_INSTANTIATE(Dim)                                                           \
@@ -207,13 +243,11 @@ void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>& rays, HitCells hitCe
     template bool CSuperRayMapBase<Dim>::insertObservationAlong(                            \
         const mrpt::obs::CObservation&, const PoseAtTime&);                                 \
     template void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>&);                 \
-    template void CSuperRayMapBase<Dim>::addStatistics(const RayBundle<Dim>&);              \
+    template SurfaceStatistics<Dim>& CSuperRayMapBase<Dim>::makeOwnStatistics();            \
     template void CSuperRayMapBase<Dim>::integrate(const RayBundle<Dim>&, TInsertionReport, \
                                                    HitCells);                               \
     template void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>&, HitCells,         \
                                                    TInsertionReport&);                      \
-    template void CSuperRayMapBase<Dim>::apply(const UpdateBatch<Dim>&, unsigned);          \
-    template void CSuperRayMapBase<Dim>::apply(const CellCountMap<Dim>&);                   \
     template void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>&);             \
     template void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>&);
 SUPERRAY_INSTANTIATE(2)

@@ -94,28 +94,30 @@ void CSuperRayMapBase<Dim>::requireRoom(const CellCountMap<Dim>& counts,
 }
 
 template <int Dim>
-typename CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(
-    const RayBundle<Dim>& rays) {
-    BlockKeys forgotten;
-    if (insertionOptions.windowRadius <= 0) return forgotten;
+std::optional<BlockWindow<Dim>> CSuperRayMapBase<Dim>::windowAround(
+    const RayBundle<Dim>& rays) const {
+    if (insertionOptions.windowRadius <= 0) return std::nullopt;
     const CellGeometry<Dim>& geometry = storage_->geometry();
-    const BlockWindow<Dim> window(blockOf<Dim>(geometry.cellOf(rays.commonOrigin())),
-                                  insertionOptions.windowRadius, geometry.resolution());
+    return BlockWindow<Dim>(blockOf<Dim>(geometry.cellOf(rays.commonOrigin())),
+                            insertionOptions.windowRadius, geometry.resolution());
+}
+
+template <int Dim>
+typename CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(
+    const BlockWindow<Dim>& window) {
+    if (surface_) makeOwnStatistics();
+    BlockKeys forgotten;
     try {
         storage_.writable().forgetOutside(
             window, [&](const BlockKey<Dim>& key) { forgotten.push_back(key); });
-        if (forgotten.empty()) return forgotten;
-        for (const BlockKey<Dim>& key : forgotten) changes_.add(key);
-        view_->forgotten(forgotten);
-        if (surface_) {
-            if (surface_.use_count() > 1)  // copies of this map have it too
-                surface_ = std::make_shared<SurfaceStatistics<Dim>>(*surface_);
-            surface_->forget(forgotten);
-        }
     } catch (...) {
-        surface_.reset();  // no statistics, rather than those of forgotten cells
+        if (surface_) surface_->forgetOutside(window);
         throw;
     }
+    if (surface_) surface_->forget(forgotten, window);
+    changes_.begin();
+    for (const BlockKey<Dim>& key : forgotten) changes_.add(key);
+    view_->forgotten(forgotten);
     return forgotten;
 }
 
@@ -131,8 +133,10 @@ typename CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(
                                                          const RayBundle<Dim>&) const;         \
     template void CSuperRayMapBase<Dim>::requireRoom(const CellCountMap<Dim>&,                 \
                                                      const RayBundle<Dim>&) const;             \
+    template std::optional<BlockWindow<Dim>> CSuperRayMapBase<Dim>::windowAround(              \
+        const RayBundle<Dim>&) const;                                                          \
     template CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(              \
-        const RayBundle<Dim>&);
+        const BlockWindow<Dim>&);
 SUPERRAY_INSTANTIATE(2)
 SUPERRAY_INSTANTIATE(3)
 #undef SUPERRAY_INSTANTIATE

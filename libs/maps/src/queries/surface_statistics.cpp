@@ -40,10 +40,15 @@ std::uint32_t SurfaceStatistics<Dim>::findOrInsert(const Cell<Dim>& cell) {
     const std::uint64_t key = keyOf(cell);
     Slot& slot = slots_[position(key)];
     if (slot.key == kFree) {
-        slot = {key, static_cast<std::uint32_t>(moments_.size())};
         moments_.emplace_back();
         moments_.back().cell = cell;
-        patches_.emplace_back();
+        try {
+            patches_.emplace_back();
+        } catch (...) {
+            moments_.pop_back();
+            throw;
+        }
+        slot = {key, static_cast<std::uint32_t>(moments_.size() - 1)};
     }
     return slot.number;
 }
@@ -65,17 +70,19 @@ void SurfaceStatistics<Dim>::remove(std::uint32_t number) {
 }
 
 template <int Dim>
-void SurfaceStatistics<Dim>::forget(const std::vector<BlockKey<Dim>>& blocks) {
-    if (blocks.size() * kBlockCells<Dim> < moments_.size()) {
-        for (const BlockKey<Dim>& block : blocks)
-            for (int i = 0; i < kBlockCells<Dim>; ++i)
-                if (const auto number = find(cellInBlock<Dim>(block, i)); number != kNone)
-                    remove(number);
-        return;
-    }
-    const std::unordered_set<BlockKey<Dim>, IndexHash> gone(blocks.begin(), blocks.end());
+void SurfaceStatistics<Dim>::forget(const std::vector<BlockKey<Dim>>& blocks,
+                                    const BlockWindow<Dim>& window) {
+    if (blocks.size() * kBlockCells<Dim> >= moments_.size()) return forgetOutside(window);
+    for (const BlockKey<Dim>& block : blocks)
+        for (int i = 0; i < kBlockCells<Dim>; ++i)
+            if (const auto number = find(cellInBlock<Dim>(block, i)); number != kNone)
+                remove(number);
+}
+
+template <int Dim>
+void SurfaceStatistics<Dim>::forgetOutside(const BlockWindow<Dim>& window) {
     for (std::size_t n = moments_.size(); n-- > 0;)
-        if (gone.count(blockOf<Dim>(moments_[n].cell)) != 0)
+        if (!window.holds(blockOf<Dim>(moments_[n].cell)))
             remove(static_cast<std::uint32_t>(n));
 }
 
@@ -104,33 +111,72 @@ std::size_t SurfaceStatistics<Dim>::memoryBytesAtMost(std::size_t cells) const {
 }
 
 template <int Dim>
-void SurfaceStatistics<Dim>::add(const RayBundle<Dim>& rays) {
-    ++scans_;
-    std::vector<std::uint32_t> changed;  // numbers of cells
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (rays.kind(i) != RayEnd::hit) continue;
-        const Point<Dim>& p = rays.end(i);
-        const Cell<Dim> cell = geometry_.cellOf(p);
-        const std::uint32_t number = findOrInsert(cell);
-        Moments& moments = moments_[number];
-        const Point<Dim> offset = p - geometry_.center(cell);
+SurfaceStatistics<Dim>::Addition::Addition(SurfaceStatistics& statistics,
+                                           const RayBundle<Dim>& rays,
+                                           const BlockWindow<Dim>* window)
+    : statistics_(statistics), rays_(rays), sizeBefore_(statistics.size()) {
+    try {
+        findChanged(window);
+    } catch (...) {
+        removeNewCells();
+        throw;
+    }
+}
+
+template <int Dim>
+SurfaceStatistics<Dim>::Addition::~Addition() {
+    if (!committed_) removeNewCells();
+}
+
+template <int Dim>
+void SurfaceStatistics<Dim>::Addition::removeNewCells() {
+    for (std::size_t n = statistics_.size(); n-- > sizeBefore_;)
+        statistics_.remove(static_cast<std::uint32_t>(n));
+}
+
+/// Makes the cells of the hits.
+template <int Dim>
+void SurfaceStatistics<Dim>::Addition::findChanged(const BlockWindow<Dim>* window) {
+    SurfaceStatistics& s = statistics_;
+    ++s.scans_;
+    const auto note = [&](std::uint32_t number) {
+        if (s.moments_[number].scan == s.scans_) return;
+        s.moments_[number].scan = s.scans_;
+        changed_.push_back(number);
+    };
+    for (std::size_t i = 0; i < rays_.size(); ++i) {
+        if (rays_.kind(i) != RayEnd::hit) continue;
+        const Cell<Dim> cell = s.geometry_.cellOf(rays_.end(i));
+        if (window && !window->holds(blockOf<Dim>(cell))) continue;
+        note(s.findOrInsert(cell));
+    }
+    // A cell that changes also changes the normals of its neighbours, once each.
+    const std::size_t touched = changed_.size();
+    for (std::size_t i = 0; i < touched; ++i)
+        forEachNear<Dim>(s.moments_[changed_[i]].cell,
+                         [&](const Cell<Dim>& c, const Cell<Dim>&) {
+                             if (const auto n = s.find(c); n != kNone) note(n);
+                         });
+}
+
+template <int Dim>
+void SurfaceStatistics<Dim>::Addition::commit() {
+    SurfaceStatistics& s = statistics_;
+    committed_ = true;
+    for (std::size_t i = 0; i < rays_.size(); ++i) {
+        if (rays_.kind(i) != RayEnd::hit) continue;
+        const Point<Dim>& p = rays_.end(i);
+        const Cell<Dim> cell = s.geometry_.cellOf(p);
+        const std::uint32_t number = s.find(cell);
+        if (number == kNone) continue;  // outside the window
+        Moments& moments = s.moments_[number];
+        const Point<Dim> offset = p - s.geometry_.center(cell);
         ++moments.points;
         moments.sum += offset;
         moments.squares += offset * offset.transpose();
-        if (moments.scan == scans_) continue;
-        moments.scan = scans_;
-        changed.push_back(number);
     }
-    // A cell that changed also changes the normals of its neighbours, once each.
-    const std::size_t touched = changed.size();
-    for (std::size_t i = 0; i < touched; ++i)
-        forEachNear<Dim>(moments_[changed[i]].cell, [&](const Cell<Dim>& c, const Cell<Dim>&) {
-            const std::uint32_t number = find(c);
-            if (number == kNone || moments_[number].scan == scans_) return;
-            moments_[number].scan = scans_;
-            changed.push_back(number);
-        });
-    for (const std::uint32_t number : changed) patches_[number] = makePatch(moments_[number]);
+    for (const std::uint32_t number : changed_)
+        s.patches_[number] = s.makePatch(s.moments_[number]);
 }
 
 template <int Dim>

@@ -18,11 +18,11 @@ namespace superray {
 template <typename T, std::uint32_t kChunk>
 class ChunkedPool {
     static_assert((kChunk & (kChunk - 1)) == 0, "a power of two divides fast");
-    static_assert(std::is_trivially_copyable_v<T>);
+    static_assert(std::is_trivially_copyable_v<T> && sizeof(T) >= sizeof(std::uint32_t));
 
  public:
     ChunkedPool() = default;
-    ChunkedPool(const ChunkedPool& o) : free_(o.free_), used_(o.used_) {
+    ChunkedPool(const ChunkedPool& o) : lastFree_(o.lastFree_), free_(o.free_), used_(o.used_) {
         // Not those that were reserved and never used.
         if (used_ > 0) addSlab(usedChunks());
         for (std::size_t i = 0; i < usedChunks(); ++i)
@@ -38,26 +38,47 @@ class ChunkedPool {
     /// are never given out: callers may use them as marks.
     /// \throws std::length_error if there is no other left
     std::uint32_t allocate() {
-        if (!free_.empty()) {
-            const std::uint32_t i = free_.back();
-            free_.pop_back();
+        if (free_ > 0) {
+            const std::uint32_t i = lastFree_;
+            std::memcpy(&lastFree_, static_cast<const void*>(&(*this)[i]), sizeof lastFree_);
+            --free_;
             return i;
         }
         if (used_ == chunks_.size() * kChunk) addSlab(slabSize());
         return used_++;
     }
-    /// So that so many can be allocated without failure, after which the greatest number
-    /// may be kChunk higher. \throws std::bad_alloc, std::length_error
-    void keepRoomToAllocate(std::uint32_t n) {
-        const std::size_t room = free_.size() + chunks_.size() * kChunk - used_;
-        if (room < n)
-            addSlab(std::max<std::size_t>((n - room + kChunk - 1) / kChunk, slabSize()));
+    /// The next allocate() gives this number. What is released keeps the number that was
+    /// released before it, so that this needs no memory and cannot fail.
+    void release(std::uint32_t i) {
+        std::memcpy(static_cast<void*>(&(*this)[i]), &lastFree_, sizeof lastFree_);
+        lastFree_ = i;
+        ++free_;
     }
-    void release(std::uint32_t i) { free_.push_back(i); }
-    /// So that so many can be released without failure.
-    void keepRoomToRelease(std::size_t n) {
-        if (free_.capacity() - free_.size() < n)
-            free_.reserve(std::max(2 * free_.capacity(), free_.size() + n));
+
+    /// Makes sure that so many can be allocated without failure. Nothing touches the memory
+    /// that this takes.
+    /// \return slabs before, for dropUnusedSlabs()
+    /// \throws std::bad_alloc, std::length_error; then nothing is taken
+    std::size_t keepRoom(std::size_t n) {
+        const std::size_t before = slabs_.size();
+        try {
+            while (room() < n) addSlab(slabSize());
+        } catch (...) {
+            dropUnusedSlabs(before);
+            throw;
+        }
+        return before;
+    }
+    /// Gives back slabs that were never used, beyond the first so many.
+    void dropUnusedSlabs(std::size_t keep) noexcept {
+        const std::size_t used = usedChunks();
+        while (slabs_.size() > keep && chunks_.size() - slabs_.back().chunks >= used) {
+            chunks_.resize(chunks_.size() - slabs_.back().chunks);
+            slabs_.pop_back();
+        }
+        // The tables of chunks and slabs may have grown with them.
+        if (chunks_.capacity() > 2 * chunks_.size()) chunks_.shrink_to_fit();
+        if (slabs_.capacity() > 2 * slabs_.size()) slabs_.shrink_to_fit();
     }
 
     /// So that so many bytes of objects can be given out without asking the system: their
@@ -76,30 +97,25 @@ class ChunkedPool {
     void clear() {
         slabs_.clear();
         chunks_.clear();
-        free_.clear();
+        free_ = 0;
         used_ = 0;
     }
 
     std::size_t memoryBytes() const {
         return chunks_.size() * kChunk * sizeof(T) + chunks_.capacity() * sizeof(void*) +
-               slabs_.capacity() * sizeof(slabs_[0]) + free_.capacity() * sizeof(free_[0]);
+               slabs_.capacity() * sizeof(slabs_[0]);
     }
-    /// The most that memoryBytes() can be after so many calls of allocate() and release().
-    std::size_t memoryBytesAtMost(std::size_t allocated, std::size_t released) const {
+    /// The most that memoryBytes() can be after so many calls of allocate().
+    std::size_t memoryBytesAtMost(std::size_t allocated) const {
         std::size_t chunks = chunks_.size(), slabs = slabs_.size();
-        std::size_t room = free_.size() + chunks * kChunk - used_;
-        while (room < allocated) {
+        for (std::size_t had = room(); had < allocated; ++slabs) {
             const std::size_t added = slabSize(chunks);
             chunks += added;
-            room += added * kChunk;
-            ++slabs;
+            had += added * kChunk;
         }
-        const auto grown = [](std::size_t size, std::size_t capacity) {
-            return size <= capacity ? capacity : 2 * size;
-        };
-        return chunks * kChunk * sizeof(T) + grown(chunks, chunks_.capacity()) * sizeof(void*) +
-               grown(slabs, slabs_.capacity()) * sizeof(slabs_[0]) +
-               grown(free_.size() + released, free_.capacity()) * sizeof(free_[0]);
+        return chunks * kChunk * sizeof(T) +
+               std::max(2 * chunks, chunks_.capacity()) * sizeof(void*) +
+               std::max(2 * slabs, slabs_.capacity()) * sizeof(slabs_[0]);
     }
 
  private:
@@ -112,8 +128,10 @@ class ChunkedPool {
             void operator()(T* chunks) const { ::operator delete(chunks, kAlignment); }
         };
         std::unique_ptr<T, Delete> memory;
-        explicit Slab(std::size_t chunks)
-            : memory(static_cast<T*>(::operator new(chunks* kChunk * sizeof(T), kAlignment))) {}
+        std::size_t chunks;
+        explicit Slab(std::size_t n)
+            : memory(static_cast<T*>(::operator new(n* kChunk * sizeof(T), kAlignment))),
+              chunks(n) {}
     };
     static constexpr std::size_t kMostChunks = 64;  ///< in a slab
     static constexpr std::size_t kSpare = 128;      ///< of so many chunks, one may be unused
@@ -122,6 +140,8 @@ class ChunkedPool {
         return std::clamp<std::size_t>(chunks / kSpare, 1, kMostChunks);
     }
     std::size_t slabSize() const { return slabSize(chunks_.size()); }
+    /// Objects that can be allocated as it is.
+    std::size_t room() const { return free_ + chunks_.size() * kChunk - used_; }
     std::size_t usedChunks() const { return (std::size_t{used_} + kChunk - 1) / kChunk; }
 
     void addSlab(std::size_t chunks) {
@@ -137,8 +157,9 @@ class ChunkedPool {
 
     std::vector<Slab> slabs_;
     std::vector<T*> chunks_;
-    std::vector<std::uint32_t> free_;
-    std::uint32_t used_ = 0;
+    std::uint32_t lastFree_ = 0;  ///< that was released last, if any is free
+    std::size_t free_ = 0;        ///< numbers that were released
+    std::uint32_t used_ = 0;      ///< numbers that were ever given out
 };
 
 }  // namespace superray

@@ -7,6 +7,7 @@
 #include "values/fold_layers.h"
 
 #include <algorithm>
+#include <exception>
 
 namespace superray {
 namespace {
@@ -34,6 +35,27 @@ struct BlockGrid<Dim>::Impl : grid::Blocks<Dim> {
         std::vector<std::size_t> toMake, toCollapse;
     };
     std::vector<Left> left;
+
+    /// Takes the memory that applying a batch may need. \throws as keepRoomFor()
+    std::unique_ptr<const grid::Room<Dim>> keepRoom(
+        const UpdateBatch<Dim>& batch, const typename OccupancyMap<Dim>::WrittenBlocks& written,
+        std::size_t chunks, std::size_t step) {
+        pending.resize(std::min(batch.blockCount(), step));
+        left.resize(std::max(chunks, left.size()));
+        for (Left& l : left) {
+            l.toMake.reserve(step / chunks + 1);
+            l.toCollapse.reserve(step / chunks + 1);
+        }
+        this->makePages(batch);
+        using Room = grid::Room<Dim>;
+        try {
+            return std::make_unique<Room>(*this, grid::growthAtMost<Dim>(batch.blockCount()));
+        } catch (const std::exception&) {
+            // The most that any scan of so many blocks may need is soon told. What this one
+            // needs is far less, and takes longer than the update.
+            return std::make_unique<Room>(*this, grid::growthBy<Dim>(*this, written));
+        }
+    }
 };
 
 template <int Dim>
@@ -68,20 +90,25 @@ template <int Dim>
 void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& model,
                            UpdatePolicy policy, unsigned threads) {
     requireAddressableBlocks(batch);
-    this->noteUpdate(model);
-    impl_->useClamp(model.min());
-
-    const FoldModel foldModel(model, policy);
-    const FoldVersion& fold = foldForThisCpu();
     const std::size_t chunks = chunkCountFor(batch.blockCount(), kBlocksPerChunk, threads);
-    std::vector<typename Impl::Left>& left = impl_->left;
-    left.resize(std::max(chunks, left.size()));
     // New blocks and layers get their numbers from one thread, some blocks ahead of the
     // folding, so that what it has just read is still in the cache.
     const std::size_t step = chunks == 1 ? kBlocksAtOnce : chunks * kBlocksOfThread;
+    // Nothing fails after this.
+    const auto room = impl_->keepRoom(
+        batch,
+        [&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
+            this->forEachWritten(batch, model, policy, visit);
+        },
+        chunks, step);
+
+    this->noteUpdate(model);
+    impl_->useClamp(model.min());
+    const FoldModel foldModel(model, policy);
+    const FoldVersion& fold = foldForThisCpu();
+    std::vector<typename Impl::Left>& left = impl_->left;
     for (std::size_t first = 0; first < batch.blockCount(); first += step) {
         const std::size_t last = std::min(batch.blockCount(), first + step);
-        impl_->pending.resize(last - first);
         // Calls each work for some blocks, then the next one for them.
         const auto forShare = [&](std::size_t chunk, const auto&... works) {
             const std::size_t n = last - first;
@@ -96,7 +123,6 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
         };
         inParallel(chunks, [&](std::size_t chunk) {
             left[chunk].toMake.clear();
-            left[chunk].toCollapse.reserve((last - first) / chunks + 1);  // may throw now only
             // What is needed of a block arrives while others are looked up.
             forShare(
                 chunk,
@@ -113,28 +139,23 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
                         left[chunk].toMake.push_back(b);
                 });
         });
-        try {
-            for (std::size_t chunk = 0; chunk < chunks; ++chunk)
-                for (const std::size_t b : left[chunk].toMake)
-                    impl_->makeFor(impl_->pending[b - first], batch.key(b),
-                                   batch.hits(b) != nullptr);
-            inParallel(chunks, [&](std::size_t chunk) {
-                left[chunk].toCollapse.clear();
-                forShare(chunk, [&](Pending<Dim>& p, std::size_t block) {
-                    if (p.payload == nullptr) return;
-                    p.fillIn();
-                    fold.foldCounts(
-                        foldModel,
-                        {Payload<Dim>::kLayers, p.values.data(), p.touched.words.data(),
-                         p.payload->known.words.data(), p.payload->saturated.words.data()},
-                        batch.misses(block), batch.hits(block));
-                    if (impl_->isUniform(*p.payload)) left[chunk].toCollapse.push_back(block);
-                });
+        for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+            for (const std::size_t b : left[chunk].toMake)
+                impl_->makeFor(impl_->pending[b - first], batch.key(b),
+                               batch.hits(b) != nullptr);
+        inParallel(chunks, [&](std::size_t chunk) {
+            left[chunk].toCollapse.clear();
+            forShare(chunk, [&](Pending<Dim>& p, std::size_t block) {
+                if (p.payload == nullptr) return;
+                p.fillIn();
+                fold.foldCounts(
+                    foldModel,
+                    {Payload<Dim>::kLayers, p.values.data(), p.touched.words.data(),
+                     p.payload->known.words.data(), p.payload->saturated.words.data()},
+                    batch.misses(block), batch.hits(block));
+                if (impl_->isUniform(*p.payload)) left[chunk].toCollapse.push_back(block);
             });
-        } catch (...) {
-            for (Pending<Dim>& p : impl_->pending) impl_->undo(p);
-            throw;
-        }
+        });
         for (std::size_t chunk = 0; chunk < chunks; ++chunk)
             for (const std::size_t b : left[chunk].toCollapse)
                 impl_->collapse(impl_->table[impl_->pending[b - first].place]);
@@ -230,8 +251,8 @@ std::size_t BlockGrid<Dim>::heldBytes() const {
 
 template <int Dim>
 std::size_t BlockGrid<Dim>::heldBytesAtMost(std::size_t blocks, unsigned) const {
-    return sizeof(Impl) + grid::memoryBytesAtMost<Dim>(
-                              *impl_, {blocks, blocks, blocks * Payload<Dim>::kLayers, blocks});
+    return sizeof(Impl) +
+           grid::memoryBytesAtMost<Dim>(*impl_, grid::growthAtMost<Dim>(blocks));
 }
 
 template <int Dim>
@@ -239,6 +260,13 @@ std::size_t BlockGrid<Dim>::heldBytesWith(
     const typename OccupancyMap<Dim>::WrittenBlocks& written) const {
     return sizeof(Impl) +
            grid::memoryBytesAtMost<Dim>(*impl_, grid::growthBy<Dim>(*impl_, written));
+}
+
+template <int Dim>
+std::shared_ptr<const void> BlockGrid<Dim>::keepRoomFor(
+    const typename OccupancyMap<Dim>::WrittenBlocks& written) {
+    written([&](const BlockView<Dim>& block) { impl_->table.findOrMake(block.key); });
+    return std::make_shared<grid::Room<Dim>>(*impl_, grid::growthBy<Dim>(*impl_, written));
 }
 
 template <int Dim>

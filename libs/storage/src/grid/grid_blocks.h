@@ -96,6 +96,20 @@ struct Blocks {
         return table[place];
     }
 
+    /// Makes the pages of a batch's blocks that will be written to.
+    void makePages(const UpdateBatch<Dim>& batch) {
+        BlockKey<Dim> last{};  // the page that was looked at last
+        for (std::size_t b = 0; b < batch.blockCount(); ++b) {
+            const BlockKey<Dim> page = Table::pageKey(batch.key(b));
+            if (b > 0 && page == last) continue;
+            if (table.find(page) == Table::kNowhere) {
+                if (!batch.touched(b).any()) continue;  // but others there may be
+                table.findOrMake(page);
+            }
+            last = page;
+        }
+    }
+
     /// Gives an absent block a payload of unspecified contents: its number.
     std::uint32_t add(Place place) {
         const std::uint32_t payload = payloads.allocate();
@@ -214,6 +228,7 @@ struct Blocks {
     }
 
     /// Makes what findFor() missed. Its contents are left to p.fillIn().
+    /// \pre there is room for it
     void makeFor(Pending<Dim>& p, const BlockKey<Dim>& key, bool hit) {
         if (p.payload == nullptr) {
             p.values.fill(nullptr);
@@ -236,24 +251,10 @@ struct Blocks {
         }
     }
 
-    /// After a failure: what was made and has not been filled in is as if it had not been
-    /// made, but that its numbers are lost until the map is cleared.
-    void undo(Pending<Dim>& p) {
-        if (p.payload != nullptr && p.freshPayload) {
-            table[p.place] = {};
-            --count;
-        } else {
-            p.fillIn();
-        }
-    }
-
     /// Gives the payload back if the block has become uniform.
     void collapse(Block& block) {
         const Payload<Dim>& p = payloads[block.payload];
         if (!isUniform(p)) return;
-        // What may throw comes first, so that a failure leaves the map whole.
-        layers.keepRoomToRelease(p.layers.size());
-        payloads.keepRoomToRelease(1);
         block.highest = value(p, 0);
         for (const std::uint32_t layer : p.layers) layers.release(layer);
         payloads.release(block.payload);
@@ -263,10 +264,7 @@ struct Blocks {
     /// Makes all cells of a block unknown. \pre it is not absent
     void forget(Block& block) {
         if (block.payload != kUniform) {
-            const Payload<Dim>& p = payloads[block.payload];
-            layers.keepRoomToRelease(p.layers.size());
-            payloads.keepRoomToRelease(1);  // nothing fails from here on
-            for (const std::uint32_t layer : p.layers)
+            for (const std::uint32_t layer : payloads[block.payload].layers)
                 if (layer != kNoLayer) layers.release(layer);
             payloads.release(block.payload);
         }

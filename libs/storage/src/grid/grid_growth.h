@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What writing to a block grid may take, found without writing.
+// What writing to a block grid may take, found without writing; and memory for it.
 
 #include "grid/grid_blocks.h"
 
@@ -11,8 +11,13 @@ namespace superray::grid {
 /// What blocks to come may take.
 struct Growth {
     std::size_t pages = 0, payloads = 0, layers = 0;
-    std::size_t blocks = 0;  ///< those written: each may become uniform
 };
+
+/// The most that writing to so many blocks can make.
+template <int Dim>
+Growth growthAtMost(std::size_t blocks) {
+    return {blocks, blocks, blocks * Payload<Dim>::kLayers};
+}
 
 template <int Dim>
 Growth growthBy(const Blocks<Dim>& grid,
@@ -21,7 +26,6 @@ Growth growthBy(const Blocks<Dim>& grid,
     Growth growth;
     std::unordered_set<BlockKey<Dim>, IndexHash> pages;
     written([&](const BlockView<Dim>& view) {
-        ++growth.blocks;
         const auto place = grid.table.find(view.key);
         if (place == Table::kNowhere && pages.insert(Table::pageKey(view.key)).second)
             ++growth.pages;
@@ -42,8 +46,31 @@ Growth growthBy(const Blocks<Dim>& grid,
 template <int Dim>
 std::size_t memoryBytesAtMost(const Blocks<Dim>& grid, const Growth& g) {
     return grid.table.memoryBytesAtMost(g.pages) +
-           grid.payloads.memoryBytesAtMost(g.payloads, g.blocks) +
-           grid.layers.memoryBytesAtMost(g.layers, g.blocks * Payload<Dim>::kLayers);
+           grid.payloads.memoryBytesAtMost(g.payloads) +
+           grid.layers.memoryBytesAtMost(g.layers);
 }
+
+/// Memory for payloads and layers to come, so that making them cannot fail. What they have
+/// not taken goes back with it.
+template <int Dim>
+class Room {
+ public:
+    /// \throws std::bad_alloc, std::length_error
+    Room(Blocks<Dim>& grid, const Growth& g)
+        : payloads_(grid.payloads, g.payloads), layers_(grid.layers, g.layers) {}
+
+ private:
+    template <typename Pool>
+    struct InPool {
+        InPool(Pool& p, std::size_t n) : pool(p), slabs(p.keepRoom(n)) {}
+        ~InPool() { pool.dropUnusedSlabs(slabs); }
+        InPool(const InPool&) = delete;
+        InPool& operator=(const InPool&) = delete;
+        Pool& pool;
+        std::size_t slabs;  // before
+    };
+    InPool<decltype(Blocks<Dim>::payloads)> payloads_;
+    InPool<decltype(Blocks<Dim>::layers)> layers_;
+};
 
 }  // namespace superray::grid

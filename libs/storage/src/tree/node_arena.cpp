@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace superray {
 
@@ -40,35 +41,60 @@ std::size_t NodeArena::chunkSize(std::size_t arenaBytes, std::size_t least) {
     return bytes;
 }
 
-std::size_t NodeArena::chunkBytesAtMost(std::size_t nodes, std::size_t families,
-                                        std::size_t step) const {
+std::size_t NodeArena::chunkBytesAtMost(const Demand& demand) const {
     const auto beyond = [](std::size_t wanted, std::size_t free) {
         return wanted - std::min(wanted, free);
     };
-    const std::size_t fresh = beyond(nodes, nodes_.count) * kNodeBytes +
-                              beyond(families, families_.count) * kFamilyBytes;
-    if (nodes == 0 && families == 0) return chunkBytes_;
+    // One of several shares may keep what was released from the others.
+    const bool alone = demand.shares == 1;
+    const std::size_t fresh =
+        beyond(demand.nodes, alone ? nodes_.count : 0) * kNodeBytes +
+        beyond(demand.families, alone ? families_.count : 0) * kFamilyBytes +
+        // Each, and the one that makes the top, may leave a chunk in part.
+        (alone ? 0 : (demand.shares + 1) * kLastChunk);
     // The last `step` bytes of each range may be left over, for they are too few.
-    const auto usable = [&](std::size_t range) { return beyond(range, step); };
+    const auto usable = [&](std::size_t range) { return beyond(range, demand.step); };
     std::size_t room = 0, bytes = chunkBytes_;
     for (const Range& range : ranges_) room += usable(range.size());
     room += reserved_.size() * usable(kLastChunk);
     const bool hasRange =
-        !reserved_.empty() || std::any_of(ranges_.begin(), ranges_.end(),
-                                          [&](const Range& r) { return r.size() >= step; });
+        !reserved_.empty() || std::any_of(ranges_.begin(), ranges_.end(), [&](const Range& r) {
+            return r.size() >= demand.step;
+        });
     for (bool enough = hasRange && room >= fresh; !enough; enough = room >= fresh) {
-        const std::size_t chunk = chunkSize(bytes, step);
+        const std::size_t chunk = chunkSize(bytes, demand.step);
         bytes += chunk;
         room += usable(chunk);
     }
     return bytes;
 }
 
+void NodeArena::keepRoom(const Demand& demand) {
+    const std::size_t needed = chunkBytesAtMost(demand);
+    std::vector<Chunk> room;
+    for (std::size_t bytes = chunkBytes_; bytes < needed; bytes += room.back().bytes) {
+        const std::size_t chunk = chunkSize(bytes, demand.step);
+        room.push_back({std::unique_ptr<std::byte[]>(new std::byte[chunk]), chunk});
+    }
+    // For what the shares come to note.
+    chunks_.reserve(chunks_.size() + room.size());
+    ranges_.reserve(ranges_.size() + room.size() + reserved_.size() + 2 * demand.shares + 4);
+    std::reverse(room.begin(), room.end());
+    room_ = std::move(room);
+}
+
 NodeArena::Range NodeArena::findChunk(std::size_t least) {
-    if (reserved_.empty() || least > kLastChunk) return newChunk(least);
-    const Range chunk = reserved_.back();
-    reserved_.pop_back();
-    return chunk;
+    if (!reserved_.empty() && least <= kLastChunk) {
+        const Range chunk = reserved_.back();
+        reserved_.pop_back();
+        return chunk;
+    }
+    if (!room_.empty() && least <= room_.back().bytes) {
+        const Range chunk = addChunk(std::move(room_.back()));
+        room_.pop_back();
+        return chunk;
+    }
+    return newChunk(least);
 }
 
 NodeArena::Range NodeArena::newChunk(std::size_t least) {
@@ -76,10 +102,14 @@ NodeArena::Range NodeArena::newChunk(std::size_t least) {
     // at hand, but on virtual machines whose host must provide them first they take
     // six times as long as small ones, and a tree touches new ones at every scan.
     const std::size_t bytes = chunkSize(chunkBytes_, least);
-    chunks_.emplace_back(new std::byte[bytes]);
-    chunkBytes_ += bytes;
-    std::byte* const begin = chunks_.back().get();
-    return {begin, begin + bytes};
+    return addChunk({std::unique_ptr<std::byte[]>(new std::byte[bytes]), bytes});
+}
+
+NodeArena::Range NodeArena::addChunk(Chunk chunk) {
+    std::byte* const begin = chunk.memory.get();
+    chunks_.push_back(std::move(chunk.memory));
+    chunkBytes_ += chunk.bytes;
+    return {begin, begin + chunk.bytes};
 }
 
 void NodeArena::swap(NodeArena& o) noexcept {

@@ -39,11 +39,21 @@ class NodeArena {
     std::size_t chunkBytes() const { return chunkBytes_; }
     /// What of that was reserved and no share has taken yet.
     std::size_t reservedBytes() const { return reserved_.size() * kLastChunk; }
-    /// The most that chunkBytes() can be after one share has taken so many nodes and
-    /// families, by calls of Share::reserve(step) before each `step` bytes at most.
-    /// \pre no shares
-    std::size_t chunkBytesAtMost(std::size_t nodes, std::size_t families,
-                                 std::size_t step) const;
+
+    /// What shares are about to take, by calls of Share::reserve(step) before each `step`
+    /// bytes at most.
+    struct Demand {
+        std::size_t nodes, families;
+        std::size_t step;  ///< [bytes]
+        std::size_t shares = 1;
+    };
+    /// The most that chunkBytes() can be then. \pre no shares
+    std::size_t chunkBytesAtMost(const Demand& demand) const;
+    /// Makes sure that the demand can be met without failure. Nothing touches the memory
+    /// that this takes, and dropRoom() gives back what no share has taken.
+    /// \throws std::bad_alloc  \pre no shares
+    void keepRoom(const Demand& demand);
+    void dropRoom() noexcept { room_.clear(); }
 
  private:
     struct Free {
@@ -64,10 +74,15 @@ class NodeArena {
         std::byte* end = nullptr;
         std::size_t size() const { return static_cast<std::size_t>(end - begin); }
     };
+    struct Chunk {
+        std::unique_ptr<std::byte[]> memory;
+        std::size_t bytes;
+    };
     /// Size of a new chunk for an arena of so many bytes.
     static std::size_t chunkSize(std::size_t arenaBytes, std::size_t least);
     Range findChunk(std::size_t least);
     Range newChunk(std::size_t least);
+    Range addChunk(Chunk chunk);
     void noteFree() {
         freeNodes_ = nodes_.first != nullptr;
         freeFamilies_ = families_.first != nullptr;
@@ -79,6 +94,7 @@ class NodeArena {
     std::vector<std::unique_ptr<std::byte[]>> chunks_;
     std::vector<Range> ranges_;    // never used so far
     std::vector<Range> reserved_;  // touched, of kLastChunk bytes each
+    std::vector<Chunk> room_;      // of keepRoom(), the next one last
     FreeList nodes_, families_;
     std::size_t chunkBytes_ = 0;
     std::size_t shares_ = 0;

@@ -42,7 +42,9 @@ void Octree::apply(const UpdateBatch<3>& batch, const SensorModel& model, Update
                    unsigned threads) {
     impl_->nodes.use(model.probabilities());
     noteUpdate(model);
-    impl_->apply(batch, model, policy, threads);
+    impl_->apply(batch, model, policy, threads, [&](const BlockVisitor& visit) {
+        forEachWritten(batch, model, policy, visit);
+    });
 }
 
 std::optional<float> Octree::logOdds(const Cell<3>& cell) const {
@@ -88,10 +90,13 @@ std::size_t Octree::heldBytes() const {
     return impl_->nodes.heldBytes();
 }
 std::size_t Octree::heldBytesAtMost(std::size_t blocks, unsigned threads) const {
-    return impl_->nodes.heldBytesAtMost(blocks, threads);
+    return impl_->nodes.heldBytesWith(OcTreeNodes::growthAtMost(blocks), threads);
 }
 std::size_t Octree::heldBytesWith(const WrittenBlocks& written) const {
-    return impl_->nodes.heldBytesWith(impl_->growthBy(written));
+    return impl_->nodes.heldBytesWith(impl_->growthBy(written), 1);
+}
+std::shared_ptr<const void> Octree::keepRoomFor(const WrittenBlocks& written) {
+    return impl_->keepRoomFor(written);
 }
 
 BlockSaturation<3> Octree::saturation(const BlockKey<3>& key, float lowerClamp) const {

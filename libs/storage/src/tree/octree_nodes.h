@@ -175,7 +175,6 @@ class OcTreeNodes final : public octomap::OcTree {
         void reserveSplit() {
             share_.reserve(NodeArena::kFamilyBytes + 8 * NodeArena::kNodeBytes);
         }
-        static void reserveRelease(std::size_t) {}
         SUPERRAY_INLINE void settle(Node n) {
             // As pruneNode() and updateOccupancyChildren(), in one visit.
             const octomap::AbstractOcTreeNode* const* const c = arenaNode(n)->children();
@@ -251,14 +250,20 @@ class OcTreeNodes final : public octomap::OcTree {
     }
 
     std::size_t heldBytes() const { return sizeof *this + arena_.chunkBytes(); }
-    std::size_t heldBytesAtMost(std::size_t blocks, unsigned threads) const {
-        // Each thread, and the one that makes the top, may leave a chunk in part.
-        return heldBytesWith({blocks * Editor::kBlockNodes, blocks * Editor::kBlockFamilies}) +
-               (std::size_t{threads} + 1) * NodeArena::kLastChunk;
+    std::size_t heldBytesWith(const TreeGrowth& growth, unsigned threads) const {
+        if (growth.blocks == 0) return heldBytes();
+        return sizeof *this + arena_.chunkBytesAtMost(demandOf(growth, threads));
     }
-    std::size_t heldBytesWith(const TreeGrowth& g) const {
-        return sizeof *this + arena_.chunkBytesAtMost(g.nodes, g.families, Editor::kBlockBytes);
+    /// The most that writing to so many blocks can make.
+    static TreeGrowth growthAtMost(std::size_t blocks) {
+        return {blocks * Editor::kBlockNodes, blocks * Editor::kBlockFamilies, blocks};
     }
+    /// Makes sure that a growth by so many threads cannot fail, until dropRoom().
+    /// \throws std::bad_alloc
+    void keepRoom(const TreeGrowth& growth, unsigned threads) {
+        if (growth.blocks > 0) arena_.keepRoom(demandOf(growth, threads));
+    }
+    void dropRoom() { arena_.dropRoom(); }
 
     void reserve(std::size_t bytes) { arena_.reserve(bytes); }
     std::size_t reservedBytes() const { return arena_.reservedBytes(); }
@@ -287,6 +292,9 @@ class OcTreeNodes final : public octomap::OcTree {
                   sizeof(Family) <= NodeArena::kFamilyBytes);
 
     static ArenaNode* arenaNode(Node n) { return static_cast<ArenaNode*>(n); }
+    static NodeArena::Demand demandOf(const TreeGrowth& g, unsigned threads) {
+        return {g.nodes, g.families, Editor::kBlockBytes, threads};
+    }
 
     NodeArena arena_;
     const ArenaNode absent_[2]{ArenaNode(kAbsent), ArenaNode(0)};

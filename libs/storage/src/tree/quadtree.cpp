@@ -20,7 +20,7 @@ class QuadNodes {
     static constexpr Node kNull = kNone;
 
     static constexpr bool kParallel = false;  // one pool for all
-    /// Those of writing to a block, at most, with the way to it; as many may go.
+    /// Those of writing to a block, at most, with the way to it.
     static constexpr std::uint32_t kFamiliesOfWrite = 64;
     static_assert(kFamiliesOfWrite >= kBlockDepth + kFamiliesOfBlock<2>);
 
@@ -53,10 +53,7 @@ class QuadNodes {
         explicit Editor(QuadNodes& nodes) : nodes_(nodes) {}
 
         /// Makes sure that nothing fails until a block and the way to it are made.
-        void reserve() {
-            nodes_.families_.keepRoomToAllocate(kFamiliesOfWrite);
-            nodes_.families_.keepRoomToRelease(kFamiliesOfWrite);
-        }
+        void reserve() { nodes_.families_.keepRoom(kFamiliesOfWrite); }
         void setValue(Node n, float v) { nodes_.at(n).value = v; }
         Node create() {
             const Node n = 4 * nodes_.newFamily();  // its siblings are never used
@@ -81,11 +78,8 @@ class QuadNodes {
             nodes_.families_.release(nodes_.at(n).children);
             nodes_.at(n).children = kNone;
         }
-        // What TreeForget asks for.
-        void reserveSplit() { nodes_.families_.keepRoomToAllocate(1); }
-        void reserveRelease(std::size_t families) {
-            nodes_.families_.keepRoomToRelease(families + 1);  // and that of the root
-        }
+        /// What TreeForget asks for.
+        void reserveSplit() { nodes_.families_.keepRoom(1); }
         /// Removes one child, a leaf. \return whether that was the last: then n is a leaf
         bool removeChild(Node n, int i) {
             Family& family = nodes_.families_[nodes_.at(n).children];
@@ -121,12 +115,20 @@ class QuadNodes {
     };
 
     std::size_t memoryBytes() const { return families_.memoryBytes(); }
-    std::size_t memoryBytesAtMost(const TreeGrowth& g) const {
-        if (g.blocks == 0) return memoryBytes();
-        // Room for one more block is kept. What a block gives back it had or has been given.
-        return families_.memoryBytesAtMost(g.families + kFamiliesOfWrite + 1,
-                                           kFamiliesOfWrite * (g.blocks + 1));
+    std::size_t memoryBytesWith(const TreeGrowth& growth) const {
+        return families_.memoryBytesAtMost(roomFor(growth));
     }
+    /// The most that writing to so many blocks can make.
+    static TreeGrowth growthAtMost(std::size_t blocks) {
+        return {0, blocks * kFamiliesOfWrite, blocks};
+    }
+    /// Makes sure that a growth cannot fail, until dropRoom().
+    /// \throws std::bad_alloc, std::length_error
+    void keepRoom(const TreeGrowth& growth, unsigned /*threads*/) {
+        slabsToKeep_ = families_.keepRoom(roomFor(growth));
+    }
+    void dropRoom() { families_.dropUnusedSlabs(slabsToKeep_); }
+
     void reserve(std::size_t bytes) { families_.reserve(bytes); }
     void clear() {
         families_.clear();
@@ -143,6 +145,10 @@ class QuadNodes {
         Record nodes[4];
     };
 
+    /// Editor::reserve() keeps room for one more block.
+    static std::size_t roomFor(const TreeGrowth& g) {
+        return g.blocks == 0 ? 0 : g.families + kFamiliesOfWrite + 1;
+    }
     std::uint32_t newFamily() {
         const std::uint32_t f = families_.allocate();
         for (Record& r : families_[f].nodes)
@@ -153,6 +159,7 @@ class QuadNodes {
     const Record& at(Node n) const { return families_[n / 4].nodes[n % 4]; }
 
     ChunkedPool<Family, 256> families_;
+    std::size_t slabsToKeep_ = 0;  // of the pool, by dropRoom()
     Node root_ = kNull;
 };
 
@@ -186,7 +193,9 @@ void Quadtree::swapContents(OccupancyMap<2>& other) {
 void Quadtree::apply(const UpdateBatch<2>& batch, const SensorModel& model, UpdatePolicy policy,
                      unsigned threads) {
     noteUpdate(model);
-    impl_->apply(batch, model, policy, threads);
+    impl_->apply(batch, model, policy, threads, [&](const BlockVisitor& visit) {
+        forEachWritten(batch, model, policy, visit);
+    });
 }
 
 std::optional<float> Quadtree::logOdds(const Cell<2>& cell) const {
@@ -229,11 +238,13 @@ std::size_t Quadtree::heldBytes() const {
     return memoryBytes();
 }
 std::size_t Quadtree::heldBytesAtMost(std::size_t blocks, unsigned) const {
-    const std::size_t families = blocks * QuadNodes::kFamiliesOfWrite;
-    return sizeof(Impl) + impl_->nodes.memoryBytesAtMost({0, families, blocks});
+    return sizeof(Impl) + impl_->nodes.memoryBytesWith(QuadNodes::growthAtMost(blocks));
 }
 std::size_t Quadtree::heldBytesWith(const WrittenBlocks& written) const {
-    return sizeof(Impl) + impl_->nodes.memoryBytesAtMost(impl_->growthBy(written));
+    return sizeof(Impl) + impl_->nodes.memoryBytesWith(impl_->growthBy(written));
+}
+std::shared_ptr<const void> Quadtree::keepRoomFor(const WrittenBlocks& written) {
+    return impl_->keepRoomFor(written);
 }
 
 BlockSaturation<2> Quadtree::saturation(const BlockKey<2>& key, float lowerClamp) const {

@@ -48,6 +48,8 @@ class TreeApply {
         for (OrderedBlock& b : blocks_) b.entry = cache.entryOf(batch.key(b.number));
     }
 
+    /// \pre the nodes keep room for what this makes
+    /// \throws std::bad_alloc, and changes nothing then
     void run(unsigned threads) {
         const std::size_t shares =
             chunkCountFor(blocks_.size(), kBlocksPerChunk, Nodes::kParallel ? threads : 1);
@@ -87,40 +89,24 @@ class TreeApply {
             subtrees.push_back(s);
             b = s.last;
         }
-        // For the ways to new subtrees, so that no subtree is lost.
-        topEditor.reserveWays(subtrees.size());
-
+        topEditor.reserveWays(subtrees.size());  // to new subtrees
         std::deque<Editor> editors;
         for (std::size_t s = 0; s < shares; ++s) editors.emplace_back(nodes_);
-        // Also after a failure: what has been made belongs to the tree.
-        struct Attach {
-            Writer& writer;
-            const std::vector<OrderedBlock>& blocks;
-            const std::vector<Subtree>& subtrees;
-            ~Attach() {
-                for (const Subtree& s : subtrees)
-                    if (s.top != Nodes::kNull)
-                        writer.attach(blocks[s.first].morton, kSplitDepth, s.top);
-                writer.finish();
+
+        std::atomic<std::size_t> next{0};
+        inParallel(shares, [&](std::size_t share) {
+            for (std::size_t i; (i = next++) < subtrees.size();) {
+                Subtree& s = subtrees[i];
+                if (s.isBelowLeaf) continue;
+                Writer writer(nodes_, editors[share], s.top, kSplitDepth);
+                applyBlocks(writer, editors[share], s.first, s.last);
+                s.top = writer.finish();
             }
-        };
-        {
-            const Attach attach{topWriter, blocks_, subtrees};
-            std::atomic<std::size_t> next{0};
-            inParallel(shares, [&](std::size_t share) {
-                for (std::size_t i; (i = next++) < subtrees.size();) {
-                    Subtree& s = subtrees[i];
-                    if (s.isBelowLeaf) continue;
-                    Writer writer(nodes_, editors[share], s.top, kSplitDepth);
-                    struct Keep {
-                        Writer& writer;
-                        Node& top;
-                        ~Keep() { top = writer.finish(); }
-                    } const keep{writer, s.top};
-                    applyBlocks(writer, editors[share], s.first, s.last);
-                }
-            });
-        }
+        });
+        for (const Subtree& s : subtrees)
+            if (s.top != Nodes::kNull)
+                topWriter.attach(blocks_[s.first].morton, kSplitDepth, s.top);
+        topWriter.finish();
         // What is below a large leaf would split it for all.
         for (const Subtree& s : subtrees)
             if (s.isBelowLeaf) applyBlocks(topWriter, topEditor, s.first, s.last);

@@ -17,7 +17,6 @@ namespace superray {
 /// Visits the nodes at the border of the window and beyond, not those within. Needs of
 /// `Nodes::Editor`, besides what TreeWriter needs:
 ///   reserveSplit()      so that createChildren() of one leaf does not fail
-///   reserveRelease(f)   so that removing so many families does not fail
 ///   removeChild(n, i)   a leaf; \return whether n has no children then
 ///   release(n)          a node without children and parent
 template <typename Nodes>
@@ -37,7 +36,6 @@ class TreeForget {
         if (root == Nodes::kNull) return;
         collect(root, 0, 0);
         if (gone_.empty()) return;
-        editor_.reserveRelease(inner_ + kFamiliesOfBlock<Dim> * gone_.size());
         if (forget(root, 0, 0)) {
             nodes_.setRoot(Nodes::kNull);
             editor_.release(root);
@@ -70,7 +68,6 @@ class TreeForget {
         const Overlap overlap = overlapOf(morton, depth);
         if (overlap == Overlap::whole) return;
         if (depth < kBlockDepth && nodes_.hasChildren(n)) {
-            ++inner_;
             for (int i = 0; i < kChildren; ++i)
                 if (const Node c = nodes_.child(n, i); c != Nodes::kNull)
                     collect(c, depth + 1, childMorton(morton, depth, i));
@@ -133,7 +130,6 @@ class TreeForget {
     const BlockWindow<Dim>& window_;
     const KeyVisitor forgotten_;
     std::vector<std::uint64_t> gone_;  // blocks, by morton
-    std::size_t inner_ = 0;            // nodes larger than a block that may lose their families
 };
 
 }  // namespace superray

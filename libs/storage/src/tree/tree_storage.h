@@ -14,6 +14,9 @@
 
 #include <superray/storage/occupancy_map.h>
 
+#include <exception>
+#include <memory>
+#include <optional>
 #include <vector>
 
 namespace superray {
@@ -23,6 +26,7 @@ class TreeStorage {
  public:
     static constexpr int Dim = Nodes::kDim;
     using Node = typename Nodes::Node;
+    using WrittenBlocks = typename OccupancyMap<Dim>::WrittenBlocks;
 
     template <typename... Args>
     explicit TreeStorage(const Args&... args) : nodes(args...) {}
@@ -30,8 +34,10 @@ class TreeStorage {
     Nodes nodes;
     SaturationCache<Dim> cache;
 
+    /// \param written what it writes, see OccupancyMap::forEachWritten()
+    /// \throws std::bad_alloc, std::length_error, and changes nothing then
     void apply(const UpdateBatch<Dim>& batch, const SensorModel& model, UpdatePolicy policy,
-               unsigned threads) {
+               unsigned threads, const WrittenBlocks& written) {
         requireAddressableBlocks(batch);
         // Whatever stops the update, nothing stale is kept.
         struct Guard {
@@ -41,8 +47,23 @@ class TreeStorage {
                 if (!done) cache.clear();
             }
         } guard{cache};
-        TreeApply<Nodes>(nodes, cache, blocks_, batch, model, policy).run(threads);
+        TreeApply<Nodes> update(nodes, cache, blocks_, batch, model, policy);
+        std::optional<Room> room;
+        try {
+            room.emplace(nodes, Nodes::growthAtMost(batch.blockCount()), threads);
+        } catch (const std::exception&) {
+            // The most that any scan of so many blocks may need is soon told. What this one
+            // needs is far less, and takes longer than the update.
+            threads = 1;
+            room.emplace(nodes, growthBy(written), threads);
+        }
+        update.run(threads);
         guard.done = true;
+    }
+
+    /// See OccupancyMap.
+    std::shared_ptr<const void> keepRoomFor(const WrittenBlocks& written) {
+        return std::make_shared<Room>(nodes, growthBy(written), 1);
     }
 
     std::optional<float> logOdds(const Cell<Dim>& cell) const {
@@ -110,7 +131,7 @@ class TreeStorage {
         }
     }
 
-    TreeGrowth growthBy(const typename OccupancyMap<Dim>::WrittenBlocks& written) const {
+    TreeGrowth growthBy(const WrittenBlocks& written) const {
         GrowthCount<Nodes> count(nodes);
         written([&](const BlockView<Dim>& block) { count.add(block); });
         return count.result();
@@ -130,6 +151,20 @@ class TreeStorage {
 
  private:
     using Values = std::array<float, kBlockCells<Dim>>;
+
+    /// Memory for nodes to come. What they have not taken goes back with it.
+    class Room {
+     public:
+        Room(Nodes& nodes, const TreeGrowth& growth, unsigned threads) : nodes_(nodes) {
+            nodes.keepRoom(growth, threads);
+        }
+        ~Room() { nodes_.dropRoom(); }
+        Room(const Room&) = delete;
+        Room& operator=(const Room&) = delete;
+
+     private:
+        Nodes& nodes_;
+    };
 
     static int childOfCell(int index, int level) {
         int i = 0;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What an update would write, without writing it.
+// What an update writes, found without writing it.
 
 #include <superray/storage/occupancy_map.h>
 
 #include "values/fold_layers.h"
+#include "values/value_rules.h"
 
 #include <array>
 #include <unordered_map>
@@ -42,26 +43,59 @@ void OccupancyMap<Dim>::forEachWritten(const UpdateBatch<Dim>& batch, const Sens
     }
 }
 
+namespace {
+
 template <int Dim>
-void OccupancyMap<Dim>::forEachWritten(const CellCountMap<Dim>& counts,
-                                       const SensorModel& model, UpdatePolicy policy,
-                                       const BlockVisitor& visit) const {
-    struct Written {
-        std::array<float, kBlockCells<Dim>> values;
-        BlockMask<Dim> cells;
-    };
-    std::unordered_map<BlockKey<Dim>, Written, IndexHash> blocks;
+struct WrittenBlock {
+    std::array<float, kBlockCells<Dim>> values;
+    BlockMask<Dim> cells;
+};
+
+template <int Dim>
+using WrittenBlockMap = std::unordered_map<BlockKey<Dim>, WrittenBlock<Dim>, IndexHash>;
+
+template <int Dim>
+WrittenBlockMap<Dim> writtenBlocks(const OccupancyMap<Dim>& map,
+                                   const CellCountMap<Dim>& counts, const SensorModel& model,
+                                   UpdatePolicy policy) {
+    WrittenBlockMap<Dim> blocks;
     for (const auto& [cell, n] : counts) {
         if (n.misses == 0 && n.hits == 0) continue;
-        const std::optional<float> before = logOdds(cell);
+        const std::optional<float> before = map.logOdds(cell);
         const float after = model.updated(before.value_or(0.0f), n.misses, n.hits, policy);
         if (before && *before == after) continue;
-        Written& block = blocks[blockOf<Dim>(cell)];
+        WrittenBlock<Dim>& block = blocks[blockOf<Dim>(cell)];
         const int i = indexInBlock<Dim>(cell);
         block.values[static_cast<std::size_t>(i)] = after;
         block.cells.set(i);
     }
+    return blocks;
+}
+
+template <int Dim>
+void visitAll(const WrittenBlockMap<Dim>& blocks,
+              const typename OccupancyMap<Dim>::BlockVisitor& visit) {
     for (const auto& [key, block] : blocks) visit({key, block.values.data(), block.cells});
+}
+
+}  // namespace
+
+template <int Dim>
+void OccupancyMap<Dim>::forEachWritten(const CellCountMap<Dim>& counts,
+                                       const SensorModel& model, UpdatePolicy policy,
+                                       const BlockVisitor& visit) const {
+    visitAll<Dim>(writtenBlocks(*this, counts, model, policy), visit);
+}
+
+template <int Dim>
+void OccupancyMap<Dim>::apply(const CellCountMap<Dim>& counts, const SensorModel& model,
+                              UpdatePolicy policy) {
+    const WrittenBlockMap<Dim> blocks = writtenBlocks(*this, counts, model, policy);
+    for (const auto& entry : blocks) requireAddressableBlock<Dim>(entry.first);
+    // Nothing fails after this.
+    const auto room =
+        keepRoomFor([&](const BlockVisitor& visit) { visitAll<Dim>(blocks, visit); });
+    visitAll<Dim>(blocks, [&](const BlockView<Dim>& block) { setBlock(block); });
 }
 
 #define SUPERRAY_INSTANTIATE(Dim)                                                              \
@@ -69,7 +103,9 @@ void OccupancyMap<Dim>::forEachWritten(const CellCountMap<Dim>& counts,
         const UpdateBatch<Dim>&, const SensorModel&, UpdatePolicy, const BlockVisitor&) const; \
     template void OccupancyMap<Dim>::forEachWritten(                                           \
         const CellCountMap<Dim>&, const SensorModel&, UpdatePolicy, const BlockVisitor&)       \
-        const;
+        const;                                                                                 \
+    template void OccupancyMap<Dim>::apply(const CellCountMap<Dim>&, const SensorModel&,       \
+                                           UpdatePolicy);
 SUPERRAY_INSTANTIATE(2)
 SUPERRAY_INSTANTIATE(3)
 #undef SUPERRAY_INSTANTIATE

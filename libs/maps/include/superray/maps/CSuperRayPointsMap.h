@@ -31,9 +31,8 @@ namespace superray {
 /// cells, too, or throws std::invalid_argument if the other map is not of this class;
 /// from MRPT 2.13.2 on, it clears the cells and copies bare points.
 ///
-/// When memory runs out in an insertion, the cells are as in CSuperRayMapBase, and each
-/// point is made anew at the centre of its cell (or there is none until the next scan).
-/// Threads: as CSuperRayMapBase.
+/// When memory runs out in an insertion, cells and points are as they were, as in
+/// CSuperRayMapBase. Threads: as CSuperRayMapBase.
 template <int Dim>
 class CSuperRayPointsMap : public AssignablePointsMap {
  public:
@@ -90,9 +89,18 @@ class CSuperRayPointsMap : public AssignablePointsMap {
     void assignFrom(const mrpt::maps::CPointsMap& other) override;
 
     void copyAll(const CSuperRayPointsMap& other);
-    void follow(const RayBundle<Dim>& rays, const UpdateBatch<Dim>* batch,
-                const std::vector<BlockKey<Dim>>& forgotten);
+    // Of a scan: before it is applied to the cells, which may fail; and afterwards, which
+    // does not.
+    void prepare(const UpdateBatch<Dim>& batch);
+    void prepare(const CellCountMap<Dim>& counts);
+    void follow(const RayBundle<Dim>& rays, const std::vector<BlockKey<Dim>>& forgotten);
+    void makeRoomFor(const typename OccupancyMap<Dim>::WrittenBlocks& written);
+    template <class Visit>
+    std::size_t forEachNewPoint(const typename OccupancyMap<Dim>::WrittenBlocks& written,
+                                const Visit& visit) const;
+    void completePoints();
     void forgetBlock(const BlockKey<Dim>& key);
+    void forgetLostBlocks();
     // What points take beside the cells [bytes]: those here; at most when so many more
     // cells, in so many more blocks, become occupied; when blocks are written; for other
     // cells.
@@ -115,6 +123,7 @@ class CSuperRayPointsMap : public AssignablePointsMap {
     std::unique_ptr<Occupancy> occupancy_;
     std::vector<Source> sources_;  // parallel to the points
     std::unordered_map<BlockKey<Dim>, std::unique_ptr<BlockPoints>, IndexHash> blocks_;
+    std::vector<BlockKey<Dim>> toFollow_;  // when the scan has been applied
 };
 
 extern template class CSuperRayPointsMap<2>;

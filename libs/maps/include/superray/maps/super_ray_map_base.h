@@ -17,6 +17,7 @@
 #include <superray/storage/occupancy_map.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -44,14 +45,13 @@ class ObstaclePoints;
 /// effect at the next insertion. Errors are std::invalid_argument and leave the
 /// map untouched.
 ///
-/// When memory runs out in an insertion (std::bad_alloc), the scan is not counted in
-/// totals(), each block of 8 cells per axis is as it was or as the scan makes it, and
-/// whatever is derived from the cells (views, distances, points) agrees with them. To
-/// undo, insert into a copy: copies share their cells until one of them changes.
+/// When memory runs out in an insertion (std::bad_alloc), the map is as it was, so that the
+/// scan can be inserted again later. (With TInsertionOptions::windowRadius, what the scan
+/// puts outside the window may be forgotten already.)
 ///
 /// With a memory bound (TCreationOptions::max_memory_megabytes), a scan, merge, file or
 /// stream that would take the map beyond it throws MemoryLimitError before anything changes.
-/// With TInsertionOptions::windowRadius, what is far from the sensor is forgotten after each
+/// With TInsertionOptions::windowRadius, what is far from the sensor is forgotten with each
 /// scan.
 ///
 /// Threads: const functions may run beside each other in any number of threads, on one
@@ -195,11 +195,13 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     using BlockKeys = std::vector<BlockKey<Dim>>;
     using WrittenBlocks = typename OccupancyMap<Dim>::WrittenBlocks;
 
-    /// Called after each scan that was applied to the cells. The batch is what was
-    /// applied; null if the scan was counted exactly. The blocks that the window has then
-    /// forgotten have no known cells any more.
-    virtual void scanApplied(const RayBundle<Dim>& /*rays*/, const UpdateBatch<Dim>* /*batch*/,
-                             const BlockKeys& /*forgotten*/) {}
+    // What a subclass keeps beside the cells follows each scan. Called before a scan is
+    // applied, and may fail; the cells are as before then:
+    virtual void scanToCome(const UpdateBatch<Dim>& /*batch*/) {}
+    virtual void scanToCome(const CellCountMap<Dim>& /*counts*/) {}
+    /// Called after a scan was applied; must not fail.
+    /// \param forgotten by the window: blocks without known cells
+    virtual void scanApplied(const RayBundle<Dim>& /*rays*/, const BlockKeys& /*forgotten*/) {}
 
     /// \throws MemoryLimitError if more is needed [bytes] than a bound allows (0: none)
     void requireWithin(std::uint32_t boundMegabytes, std::size_t needed,
@@ -244,8 +246,10 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     std::size_t surfaceBytes() const { return surface_ ? surface_->memoryBytes() : 0; }
     std::size_t surfaceBytesAtMost(std::size_t newCells) const;
     std::size_t surfaceBytesWith(const RayBundle<Dim>& rays) const;
-    /// Forgets what is outside windowRadius.
-    BlockKeys slideWindow(const RayBundle<Dim>& rays);
+    /// What windowRadius leaves of the map around a scan's sensor; nothing: all of it.
+    std::optional<BlockWindow<Dim>> windowAround(const RayBundle<Dim>& rays) const;
+    /// Forgets what is outside. \throws std::bad_alloc; then a part may be forgotten
+    BlockKeys slideWindow(const BlockWindow<Dim>& window);
     void assignOptions(const TMapOptions& options);
     /// \return whether it was another, so that there is a new storage, without a reserve
     bool changeResolution(double metres);
@@ -259,13 +263,16 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     template <class ToBundle>
     bool insertReturns(const mrpt::obs::CObservation& observation, ReturnTimes times,
                        ToBundle toBundle);
-    void addStatistics(const RayBundle<Dim>& rays);
+    /// Statistics that no copy of this map shares.
+    SurfaceStatistics<Dim>& makeOwnStatistics();
     /// Whether cells in which a return lies are missed by other rays of the scan.
     enum class HitCells : std::uint8_t { missedToo, notMissed };
     void integrate(const RayBundle<Dim>& rays, TInsertionReport report, HitCells hitCells);
     void applyRays(const RayBundle<Dim>& rays, HitCells hitCells, TInsertionReport& report);
-    void apply(const UpdateBatch<Dim>& batch, unsigned threads);
-    void apply(const CellCountMap<Dim>& counts);
+    /// \param change UpdateBatch or CellCountMap
+    template <class Change>
+    void applyChange(const RayBundle<Dim>& rays, const Change& change, unsigned threads,
+                     TInsertionReport& report);
     std::shared_ptr<mrpt_viz::COctoMapVoxels> visualization() const;
 
     StorageType type_;

@@ -5,6 +5,7 @@
 
 #include <superray/core/block.h>
 #include <superray/core/ray_bundle.h>
+#include <superray/storage/block_window.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -43,12 +44,41 @@ class SurfaceStatistics {
 
     explicit SurfaceStatistics(const CellGeometry<Dim>& geometry) : geometry_(geometry) {}
 
-    /// Adds the hits of a scan.
-    void add(const RayBundle<Dim>& rays);
+    /// Adds the hits of a scan. \throws std::bad_alloc; then all is as before
+    void add(const RayBundle<Dim>& rays) { Addition(*this, rays, nullptr).commit(); }
 
-    /// Removes the cells of some blocks, each given once. Patches beside them stay as they
+    /// The hits of a scan on their way into the statistics, which must not be used or
+    /// changed in between.
+    class Addition {
+     public:
+        /// Takes all the memory that is needed.
+        /// \param window null, or what hits must be in
+        /// \throws std::bad_alloc; then the statistics are as before
+        Addition(SurfaceStatistics& statistics, const RayBundle<Dim>& rays,
+                 const BlockWindow<Dim>* window);
+        /// Without commit(), the statistics are as before.
+        ~Addition();
+        Addition(const Addition&) = delete;
+        Addition& operator=(const Addition&) = delete;
+        void commit();  ///< cannot fail
+
+     private:
+        void removeNewCells();
+        void findChanged(const BlockWindow<Dim>* window);
+
+        SurfaceStatistics& statistics_;
+        const RayBundle<Dim>& rays_;
+        const std::size_t sizeBefore_;
+        std::vector<std::uint32_t> changed_;  ///< numbers of cells
+        bool committed_ = false;
+    };
+
+    /// Removes the cells outside a window; does not fail. Patches beside them stay as they
     /// are until a point falls in or beside their cells.
-    void forget(const std::vector<BlockKey<Dim>>& blocks);
+    /// \param blocks all blocks outside that may have some
+    void forget(const std::vector<BlockKey<Dim>>& blocks, const BlockWindow<Dim>& window);
+    /// The same without being told the blocks.
+    void forgetOutside(const BlockWindow<Dim>& window);
 
     /// The patch in a cell; nullptr if no end point fell into it.
     const SurfacePatch<Dim>* patch(const Cell<Dim>& cell) const {

@@ -59,15 +59,15 @@ class OccupancyMap : public SaturationSource<Dim> {
     /// Applies a scan (design rules 4 and 5): for every touched cell
     /// value = model.updated(value or 0, misses, hits, policy), bit for bit.
     /// \param threads at most so many; the result does not depend on it
-    /// \throws std::out_of_range if a block is not addressable (kCellLimit);
-    /// nothing is applied then
+    /// \throws std::out_of_range if a block is not addressable (kCellLimit), std::bad_alloc,
+    /// std::length_error (more blocks or nodes than a map can have); nothing is applied then
     virtual void apply(const UpdateBatch<Dim>& batch, const SensorModel& model,
                        UpdatePolicy policy, unsigned threads) = 0;
     void apply(const UpdateBatch<Dim>& batch, const SensorModel& model, UpdatePolicy policy) {
         apply(batch, model, policy, 1);
     }
 
-    /// The same from exact counts, cell by cell (method `reference`).
+    /// The same from exact counts, cell by cell (method `reference`). \throws likewise
     void apply(const CellCountMap<Dim>& counts, const SensorModel& model, UpdatePolicy policy);
 
     /// Log-odds of a cell; nothing if unknown.
@@ -125,6 +125,11 @@ class OccupancyMap : public SaturationSource<Dim> {
  protected:
     OccupancyMap(const OccupancyMap&) = default;
     OccupancyMap& operator=(const OccupancyMap&) = default;
+
+    /// Memory for writing these blocks, each once: setBlock() does not fail for want of it
+    /// while what is returned exists. \throws std::bad_alloc, std::length_error
+    /// \pre the blocks are addressable
+    virtual std::shared_ptr<const void> keepRoomFor(const WrittenBlocks& written) = 0;
 
     // Every storage calls these before it changes values.
 
