@@ -77,6 +77,15 @@ class BlockTable {
                 visit(keyOf(page.key, i), values_[page.number * Place{kPageBlocks} + i]);
         }
     }
+    /// A number that all blocks of a page have in common, and no others.
+    static std::uint64_t pageOf(const BlockKey<Dim>& key) {
+        std::uint64_t p = 0;
+        for (int a = Dim - 1; a >= 0; --a)
+            p = (p << kAxisBits) |
+                static_cast<std::uint32_t>(key[a] + kBlockLimit) >> kPageBits;
+        return p;
+    }
+    static constexpr std::uint64_t kNoPage = ~std::uint64_t{0};  ///< no page has it
     /// The key that blocks of one page have in common: that of the page's lowest block.
     static BlockKey<Dim> pageKey(const BlockKey<Dim>& key) { return keyOf(pageOf(key), 0); }
     /// Visits the pages in unspecified order: visit(lowest key, highest key, page).
@@ -109,7 +118,7 @@ class BlockTable {
     static constexpr std::uint32_t kPageBlocks = 1u << (kPageBits * Dim);
     static constexpr int kAxisBits = 13 - kPageBits;  // of a page's key
     static_assert(1 << (kAxisBits + kPageBits) == 2 * kBlockLimit && kAxisBits * Dim < 64);
-    static constexpr std::uint64_t kFree = ~std::uint64_t{0};
+    static constexpr std::uint64_t kFree = kNoPage;
 
     struct Entry {
         std::uint64_t key = kFree;
@@ -119,13 +128,6 @@ class BlockTable {
     /// Removed ones included.
     std::size_t pageCount() const { return values_.size() / kPageBlocks; }
 
-    static std::uint64_t pageOf(const BlockKey<Dim>& key) {
-        std::uint64_t p = 0;
-        for (int a = Dim - 1; a >= 0; --a)
-            p = (p << kAxisBits) |
-                static_cast<std::uint32_t>(key[a] + kBlockLimit) >> kPageBits;
-        return p;
-    }
     static Place placeIn(const Entry& page, const BlockKey<Dim>& key) {
         Place i = page.number;
         for (int a = Dim - 1; a >= 0; --a)

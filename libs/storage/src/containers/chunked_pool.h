@@ -56,42 +56,22 @@ class ChunkedPool {
     }
 
     /// Makes sure that so many can be allocated without failure. Nothing touches the memory
-    /// that this takes.
-    /// \return slabs before, for dropUnusedSlabs()
-    /// \throws std::bad_alloc, std::length_error; then nothing is taken
-    std::size_t keepRoom(std::size_t n) {
-        const std::size_t before = slabs_.size();
-        try {
-            while (room() < n) addSlab(slabSize());
-        } catch (...) {
-            dropUnusedSlabs(before);
-            throw;
-        }
-        return before;
-    }
-    /// Gives back slabs that were never used, beyond the first so many.
-    void dropUnusedSlabs(std::size_t keep) noexcept {
-        const std::size_t used = usedChunks();
-        while (slabs_.size() > keep && chunks_.size() - slabs_.back().chunks >= used) {
-            chunks_.resize(chunks_.size() - slabs_.back().chunks);
-            slabs_.pop_back();
-        }
-        // The tables of chunks and slabs may have grown with them.
-        if (chunks_.capacity() > 2 * chunks_.size()) chunks_.shrink_to_fit();
-        if (slabs_.capacity() > 2 * slabs_.size()) slabs_.shrink_to_fit();
+    /// that this takes, so it is only counted when it is used.
+    /// \throws std::bad_alloc, std::length_error
+    void keepRoom(std::size_t n) {
+        const std::size_t had = free_ + chunks_.size() * kChunk - used_;
+        if (had < n) addSlab(std::max(chunksOf(n - had), slabSize()));
     }
 
     /// So that so many bytes of objects can be given out without asking the system: their
     /// memory has been touched. \throws std::bad_alloc, std::length_error
     void reserve(std::size_t bytes) {
-        constexpr std::size_t kChunkBytes = kChunk * sizeof(T);
-        const std::size_t wanted = bytes / kChunkBytes;
-        const std::size_t unused = chunks_.size() - usedChunks();
-        if (wanted <= unused) return;
-        addSlab(wanted - unused);
+        const std::size_t wanted = usedChunks() + bytes / (kChunk * sizeof(T));
+        if (wanted > chunks_.size()) addSlab(wanted - chunks_.size());
         // Not of T's: they are made when they are given out.
-        std::memset(static_cast<void*>(slabs_.back().memory.get()), 0,
-                    (wanted - unused) * kChunkBytes);
+        for (std::size_t i = takenChunks(); i < wanted; ++i)
+            std::memset(static_cast<void*>(chunks_[i]), 0, kChunk * sizeof(T));
+        touched_ = std::max(touched_, wanted);
     }
 
     void clear() {
@@ -99,23 +79,15 @@ class ChunkedPool {
         chunks_.clear();
         free_ = 0;
         used_ = 0;
+        touched_ = 0;
     }
 
-    std::size_t memoryBytes() const {
-        return chunks_.size() * kChunk * sizeof(T) + chunks_.capacity() * sizeof(void*) +
-               slabs_.capacity() * sizeof(slabs_[0]);
-    }
+    /// Of what was used or touched.
+    std::size_t memoryBytes() const { return bytesOf(takenChunks()); }
     /// The most that memoryBytes() can be after so many calls of allocate().
     std::size_t memoryBytesAtMost(std::size_t allocated) const {
-        std::size_t chunks = chunks_.size(), slabs = slabs_.size();
-        for (std::size_t had = room(); had < allocated; ++slabs) {
-            const std::size_t added = slabSize(chunks);
-            chunks += added;
-            had += added * kChunk;
-        }
-        return chunks * kChunk * sizeof(T) +
-               std::max(2 * chunks, chunks_.capacity()) * sizeof(void*) +
-               std::max(2 * slabs, slabs_.capacity()) * sizeof(slabs_[0]);
+        const std::size_t used = used_ + allocated - std::min(allocated, free_);
+        return bytesOf(std::max(chunksOf(used), touched_));
     }
 
  private:
@@ -128,21 +100,22 @@ class ChunkedPool {
             void operator()(T* chunks) const { ::operator delete(chunks, kAlignment); }
         };
         std::unique_ptr<T, Delete> memory;
-        std::size_t chunks;
-        explicit Slab(std::size_t n)
-            : memory(static_cast<T*>(::operator new(n* kChunk * sizeof(T), kAlignment))),
-              chunks(n) {}
+        explicit Slab(std::size_t chunks)
+            : memory(static_cast<T*>(::operator new(chunks* kChunk * sizeof(T), kAlignment))) {}
     };
     static constexpr std::size_t kMostChunks = 64;  ///< in a slab
     static constexpr std::size_t kSpare = 128;      ///< of so many chunks, one may be unused
 
-    static std::size_t slabSize(std::size_t chunks) {
-        return std::clamp<std::size_t>(chunks / kSpare, 1, kMostChunks);
+    std::size_t slabSize() const {
+        return std::clamp<std::size_t>(chunks_.size() / kSpare, 1, kMostChunks);
     }
-    std::size_t slabSize() const { return slabSize(chunks_.size()); }
-    /// Objects that can be allocated as it is.
-    std::size_t room() const { return free_ + chunks_.size() * kChunk - used_; }
-    std::size_t usedChunks() const { return (std::size_t{used_} + kChunk - 1) / kChunk; }
+    static std::size_t chunksOf(std::size_t objects) { return (objects + kChunk - 1) / kChunk; }
+    std::size_t usedChunks() const { return chunksOf(used_); }
+    std::size_t takenChunks() const { return std::max(usedChunks(), touched_); }
+    /// With their places in the table, which may double.
+    static std::size_t bytesOf(std::size_t chunks) {
+        return chunks * (kChunk * sizeof(T) + 2 * sizeof(void*));
+    }
 
     void addSlab(std::size_t chunks) {
         constexpr std::size_t kMost = (std::size_t{1} << 32) / kChunk - 1;
@@ -160,6 +133,7 @@ class ChunkedPool {
     std::uint32_t lastFree_ = 0;  ///< that was released last, if any is free
     std::size_t free_ = 0;        ///< numbers that were released
     std::uint32_t used_ = 0;      ///< numbers that were ever given out
+    std::size_t touched_ = 0;     ///< chunks that reserve() has touched, or less
 };
 
 }  // namespace superray

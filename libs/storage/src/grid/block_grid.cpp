@@ -36,10 +36,11 @@ struct BlockGrid<Dim>::Impl : grid::Blocks<Dim> {
     };
     std::vector<Left> left;
 
-    /// Takes the memory that applying a batch may need. \throws as keepRoomFor()
-    std::unique_ptr<const grid::Room<Dim>> keepRoom(
-        const UpdateBatch<Dim>& batch, const typename OccupancyMap<Dim>::WrittenBlocks& written,
-        std::size_t chunks, std::size_t step) {
+    /// Takes the memory that applying a batch may need.
+    /// \throws std::bad_alloc, std::length_error
+    void keepRoom(const UpdateBatch<Dim>& batch,
+                  const typename OccupancyMap<Dim>::WrittenBlocks& written, std::size_t chunks,
+                  std::size_t step) {
         pending.resize(std::min(batch.blockCount(), step));
         left.resize(std::max(chunks, left.size()));
         for (Left& l : left) {
@@ -47,13 +48,12 @@ struct BlockGrid<Dim>::Impl : grid::Blocks<Dim> {
             l.toCollapse.reserve(step / chunks + 1);
         }
         this->makePages(batch);
-        using Room = grid::Room<Dim>;
         try {
-            return std::make_unique<Room>(*this, grid::growthAtMost<Dim>(batch.blockCount()));
+            grid::keepRoom<Dim>(*this, grid::growthAtMost<Dim>(batch.blockCount()));
         } catch (const std::exception&) {
             // The most that any scan of so many blocks may need is soon told. What this one
             // needs is far less, and takes longer than the update.
-            return std::make_unique<Room>(*this, grid::growthBy<Dim>(*this, written));
+            grid::keepRoom<Dim>(*this, grid::growthBy<Dim>(*this, written));
         }
     }
 };
@@ -95,7 +95,7 @@ void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& mod
     // folding, so that what it has just read is still in the cache.
     const std::size_t step = chunks == 1 ? kBlocksAtOnce : chunks * kBlocksOfThread;
     // Nothing fails after this.
-    const auto room = impl_->keepRoom(
+    impl_->keepRoom(
         batch,
         [&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
             this->forEachWritten(batch, model, policy, visit);
@@ -263,10 +263,9 @@ std::size_t BlockGrid<Dim>::heldBytesWith(
 }
 
 template <int Dim>
-std::shared_ptr<const void> BlockGrid<Dim>::keepRoomFor(
-    const typename OccupancyMap<Dim>::WrittenBlocks& written) {
+void BlockGrid<Dim>::keepRoomFor(const typename OccupancyMap<Dim>::WrittenBlocks& written) {
     written([&](const BlockView<Dim>& block) { impl_->table.findOrMake(block.key); });
-    return std::make_shared<grid::Room<Dim>>(*impl_, grid::growthBy<Dim>(*impl_, written));
+    grid::keepRoom<Dim>(*impl_, grid::growthBy<Dim>(*impl_, written));
 }
 
 template <int Dim>

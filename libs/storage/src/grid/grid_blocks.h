@@ -98,13 +98,16 @@ struct Blocks {
 
     /// Makes the pages of a batch's blocks that will be written to.
     void makePages(const UpdateBatch<Dim>& batch) {
-        BlockKey<Dim> last{};  // the page that was looked at last
+        // Most blocks are in a page of one before: these are not looked up again.
+        std::array<std::uint64_t, 256> there;
+        there.fill(Table::kNoPage);
         for (std::size_t b = 0; b < batch.blockCount(); ++b) {
-            const BlockKey<Dim> page = Table::pageKey(batch.key(b));
-            if (b > 0 && page == last) continue;
-            if (table.find(page) == Table::kNowhere) {
-                if (!batch.touched(b).any()) continue;  // but others there may be
-                table.findOrMake(page);
+            const std::uint64_t page = Table::pageOf(batch.key(b));
+            std::uint64_t& last = there[(page * 0x9E3779B97F4A7C15ull) >> 56];
+            if (last == page) continue;
+            if (table.find(batch.key(b)) == Table::kNowhere) {
+                if (!batch.touched(b).any()) continue;
+                table.findOrMake(batch.key(b));
             }
             last = page;
         }

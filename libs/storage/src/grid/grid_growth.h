@@ -45,32 +45,16 @@ Growth growthBy(const Blocks<Dim>& grid,
 /// Memory of the blocks, at most, after a growth.
 template <int Dim>
 std::size_t memoryBytesAtMost(const Blocks<Dim>& grid, const Growth& g) {
-    return grid.table.memoryBytesAtMost(g.pages) +
-           grid.payloads.memoryBytesAtMost(g.payloads) +
+    return grid.table.memoryBytesAtMost(g.pages) + grid.payloads.memoryBytesAtMost(g.payloads) +
            grid.layers.memoryBytesAtMost(g.layers);
 }
 
-/// Memory for payloads and layers to come, so that making them cannot fail. What they have
-/// not taken goes back with it.
+/// Makes sure that making these payloads and layers cannot fail.
+/// \throws std::bad_alloc, std::length_error
 template <int Dim>
-class Room {
- public:
-    /// \throws std::bad_alloc, std::length_error
-    Room(Blocks<Dim>& grid, const Growth& g)
-        : payloads_(grid.payloads, g.payloads), layers_(grid.layers, g.layers) {}
-
- private:
-    template <typename Pool>
-    struct InPool {
-        InPool(Pool& p, std::size_t n) : pool(p), slabs(p.keepRoom(n)) {}
-        ~InPool() { pool.dropUnusedSlabs(slabs); }
-        InPool(const InPool&) = delete;
-        InPool& operator=(const InPool&) = delete;
-        Pool& pool;
-        std::size_t slabs;  // before
-    };
-    InPool<decltype(Blocks<Dim>::payloads)> payloads_;
-    InPool<decltype(Blocks<Dim>::layers)> layers_;
-};
+void keepRoom(Blocks<Dim>& grid, const Growth& g) {
+    grid.payloads.keepRoom(g.payloads);
+    grid.layers.keepRoom(g.layers);
+}
 
 }  // namespace superray::grid

@@ -61,8 +61,10 @@ std::size_t NodeArena::chunkBytesAtMost(const Demand& demand) const {
         !reserved_.empty() || std::any_of(ranges_.begin(), ranges_.end(), [&](const Range& r) {
             return r.size() >= demand.step;
         });
+    auto kept = room_.begin();
     for (bool enough = hasRange && room >= fresh; !enough; enough = room >= fresh) {
-        const std::size_t chunk = chunkSize(bytes, demand.step);
+        const std::size_t chunk =
+            kept != room_.end() ? (kept++)->bytes : chunkSize(bytes, demand.step);
         bytes += chunk;
         room += usable(chunk);
     }
@@ -70,17 +72,20 @@ std::size_t NodeArena::chunkBytesAtMost(const Demand& demand) const {
 }
 
 void NodeArena::keepRoom(const Demand& demand) {
-    const std::size_t needed = chunkBytesAtMost(demand);
-    std::vector<Chunk> room;
-    for (std::size_t bytes = chunkBytes_; bytes < needed; bytes += room.back().bytes) {
+    std::size_t bytes = chunkBytes_;
+    for (const Chunk& chunk : room_) bytes += chunk.bytes;
+    for (const std::size_t needed = chunkBytesAtMost(demand); bytes < needed;) {
         const std::size_t chunk = chunkSize(bytes, demand.step);
-        room.push_back({std::unique_ptr<std::byte[]>(new std::byte[chunk]), chunk});
+        room_.push_back({std::unique_ptr<std::byte[]>(new std::byte[chunk]), chunk});
+        bytes += chunk;
     }
     // For what the shares come to note.
-    chunks_.reserve(chunks_.size() + room.size());
-    ranges_.reserve(ranges_.size() + room.size() + reserved_.size() + 2 * demand.shares + 4);
-    std::reverse(room.begin(), room.end());
-    room_ = std::move(room);
+    const auto makeRoom = [](auto& list, std::size_t more) {
+        if (list.capacity() - list.size() < more)
+            list.reserve(std::max(2 * list.capacity(), list.size() + more));
+    };
+    makeRoom(chunks_, room_.size());
+    makeRoom(ranges_, room_.size() + reserved_.size() + 2 * demand.shares + 4);
 }
 
 NodeArena::Range NodeArena::findChunk(std::size_t least) {
@@ -89,9 +94,9 @@ NodeArena::Range NodeArena::findChunk(std::size_t least) {
         reserved_.pop_back();
         return chunk;
     }
-    if (!room_.empty() && least <= room_.back().bytes) {
-        const Range chunk = addChunk(std::move(room_.back()));
-        room_.pop_back();
+    if (!room_.empty() && least <= room_.front().bytes) {
+        const Range chunk = addChunk(std::move(room_.front()));
+        room_.erase(room_.begin());
         return chunk;
     }
     return newChunk(least);
@@ -116,6 +121,7 @@ void NodeArena::swap(NodeArena& o) noexcept {
     chunks_.swap(o.chunks_);
     ranges_.swap(o.ranges_);
     reserved_.swap(o.reserved_);
+    room_.swap(o.room_);
     std::swap(nodes_, o.nodes_);
     std::swap(families_, o.families_);
     std::swap(chunkBytes_, o.chunkBytes_);
@@ -127,6 +133,7 @@ void NodeArena::clear() noexcept {
     chunks_.clear();
     ranges_.clear();
     reserved_.clear();
+    room_.clear();
     nodes_ = families_ = {};
     chunkBytes_ = 0;
     noteFree();

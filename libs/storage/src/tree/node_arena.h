@@ -50,10 +50,9 @@ class NodeArena {
     /// The most that chunkBytes() can be then. \pre no shares
     std::size_t chunkBytesAtMost(const Demand& demand) const;
     /// Makes sure that the demand can be met without failure. Nothing touches the memory
-    /// that this takes, and dropRoom() gives back what no share has taken.
+    /// that this takes, and chunkBytes() counts it when shares take it.
     /// \throws std::bad_alloc  \pre no shares
     void keepRoom(const Demand& demand);
-    void dropRoom() noexcept { room_.clear(); }
 
  private:
     struct Free {
@@ -94,7 +93,7 @@ class NodeArena {
     std::vector<std::unique_ptr<std::byte[]>> chunks_;
     std::vector<Range> ranges_;    // never used so far
     std::vector<Range> reserved_;  // touched, of kLastChunk bytes each
-    std::vector<Chunk> room_;      // of keepRoom(), the next one last
+    std::vector<Chunk> room_;      // of keepRoom(), the next one first
     FreeList nodes_, families_;
     std::size_t chunkBytes_ = 0;
     std::size_t shares_ = 0;

@@ -95,8 +95,8 @@ std::size_t Octree::heldBytesAtMost(std::size_t blocks, unsigned threads) const 
 std::size_t Octree::heldBytesWith(const WrittenBlocks& written) const {
     return impl_->nodes.heldBytesWith(impl_->growthBy(written), 1);
 }
-std::shared_ptr<const void> Octree::keepRoomFor(const WrittenBlocks& written) {
-    return impl_->keepRoomFor(written);
+void Octree::keepRoomFor(const WrittenBlocks& written) {
+    impl_->keepRoomFor(written);
 }
 
 BlockSaturation<3> Octree::saturation(const BlockKey<3>& key, float lowerClamp) const {

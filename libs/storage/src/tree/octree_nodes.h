@@ -258,12 +258,10 @@ class OcTreeNodes final : public octomap::OcTree {
     static TreeGrowth growthAtMost(std::size_t blocks) {
         return {blocks * Editor::kBlockNodes, blocks * Editor::kBlockFamilies, blocks};
     }
-    /// Makes sure that a growth by so many threads cannot fail, until dropRoom().
-    /// \throws std::bad_alloc
+    /// Makes sure that a growth by so many threads cannot fail. \throws std::bad_alloc
     void keepRoom(const TreeGrowth& growth, unsigned threads) {
         if (growth.blocks > 0) arena_.keepRoom(demandOf(growth, threads));
     }
-    void dropRoom() { arena_.dropRoom(); }
 
     void reserve(std::size_t bytes) { arena_.reserve(bytes); }
     std::size_t reservedBytes() const { return arena_.reservedBytes(); }

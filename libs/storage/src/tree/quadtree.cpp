@@ -122,13 +122,10 @@ class QuadNodes {
     static TreeGrowth growthAtMost(std::size_t blocks) {
         return {0, blocks * kFamiliesOfWrite, blocks};
     }
-    /// Makes sure that a growth cannot fail, until dropRoom().
-    /// \throws std::bad_alloc, std::length_error
+    /// Makes sure that a growth cannot fail. \throws std::bad_alloc, std::length_error
     void keepRoom(const TreeGrowth& growth, unsigned /*threads*/) {
-        slabsToKeep_ = families_.keepRoom(roomFor(growth));
+        families_.keepRoom(roomFor(growth));
     }
-    void dropRoom() { families_.dropUnusedSlabs(slabsToKeep_); }
-
     void reserve(std::size_t bytes) { families_.reserve(bytes); }
     void clear() {
         families_.clear();
@@ -159,7 +156,6 @@ class QuadNodes {
     const Record& at(Node n) const { return families_[n / 4].nodes[n % 4]; }
 
     ChunkedPool<Family, 256> families_;
-    std::size_t slabsToKeep_ = 0;  // of the pool, by dropRoom()
     Node root_ = kNull;
 };
 
@@ -243,8 +239,8 @@ std::size_t Quadtree::heldBytesAtMost(std::size_t blocks, unsigned) const {
 std::size_t Quadtree::heldBytesWith(const WrittenBlocks& written) const {
     return sizeof(Impl) + impl_->nodes.memoryBytesWith(impl_->growthBy(written));
 }
-std::shared_ptr<const void> Quadtree::keepRoomFor(const WrittenBlocks& written) {
-    return impl_->keepRoomFor(written);
+void Quadtree::keepRoomFor(const WrittenBlocks& written) {
+    impl_->keepRoomFor(written);
 }
 
 BlockSaturation<2> Quadtree::saturation(const BlockKey<2>& key, float lowerClamp) const {

@@ -15,7 +15,6 @@
 #include <superray/storage/occupancy_map.h>
 
 #include <exception>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -48,23 +47,20 @@ class TreeStorage {
             }
         } guard{cache};
         TreeApply<Nodes> update(nodes, cache, blocks_, batch, model, policy);
-        std::optional<Room> room;
         try {
-            room.emplace(nodes, Nodes::growthAtMost(batch.blockCount()), threads);
+            nodes.keepRoom(Nodes::growthAtMost(batch.blockCount()), threads);
         } catch (const std::exception&) {
             // The most that any scan of so many blocks may need is soon told. What this one
             // needs is far less, and takes longer than the update.
             threads = 1;
-            room.emplace(nodes, growthBy(written), threads);
+            nodes.keepRoom(growthBy(written), threads);
         }
         update.run(threads);
         guard.done = true;
     }
 
     /// See OccupancyMap.
-    std::shared_ptr<const void> keepRoomFor(const WrittenBlocks& written) {
-        return std::make_shared<Room>(nodes, growthBy(written), 1);
-    }
+    void keepRoomFor(const WrittenBlocks& written) { nodes.keepRoom(growthBy(written), 1); }
 
     std::optional<float> logOdds(const Cell<Dim>& cell) const {
         if (!isAddressable(cell, kCellLimit)) return std::nullopt;
@@ -151,20 +147,6 @@ class TreeStorage {
 
  private:
     using Values = std::array<float, kBlockCells<Dim>>;
-
-    /// Memory for nodes to come. What they have not taken goes back with it.
-    class Room {
-     public:
-        Room(Nodes& nodes, const TreeGrowth& growth, unsigned threads) : nodes_(nodes) {
-            nodes.keepRoom(growth, threads);
-        }
-        ~Room() { nodes_.dropRoom(); }
-        Room(const Room&) = delete;
-        Room& operator=(const Room&) = delete;
-
-     private:
-        Nodes& nodes_;
-    };
 
     static int childOfCell(int index, int level) {
         int i = 0;

@@ -93,8 +93,7 @@ void OccupancyMap<Dim>::apply(const CellCountMap<Dim>& counts, const SensorModel
     const WrittenBlockMap<Dim> blocks = writtenBlocks(*this, counts, model, policy);
     for (const auto& entry : blocks) requireAddressableBlock<Dim>(entry.first);
     // Nothing fails after this.
-    const auto room =
-        keepRoomFor([&](const BlockVisitor& visit) { visitAll<Dim>(blocks, visit); });
+    keepRoomFor([&](const BlockVisitor& visit) { visitAll<Dim>(blocks, visit); });
     visitAll<Dim>(blocks, [&](const BlockView<Dim>& block) { setBlock(block); });
 }
 

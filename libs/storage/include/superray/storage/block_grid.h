@@ -40,8 +40,7 @@ class BlockGrid final : public OccupancyMap<Dim> {
     BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float lowerClamp) const override;
 
  private:
-    std::shared_ptr<const void> keepRoomFor(
-        const typename OccupancyMap<Dim>::WrittenBlocks& written) override;
+    void keepRoomFor(const typename OccupancyMap<Dim>::WrittenBlocks& written) override;
 
     struct Impl;
     std::unique_ptr<Impl> impl_;

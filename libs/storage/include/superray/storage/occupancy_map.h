@@ -126,10 +126,10 @@ class OccupancyMap : public SaturationSource<Dim> {
     OccupancyMap(const OccupancyMap&) = default;
     OccupancyMap& operator=(const OccupancyMap&) = default;
 
-    /// Memory for writing these blocks, each once: setBlock() does not fail for want of it
-    /// while what is returned exists. \throws std::bad_alloc, std::length_error
+    /// Takes the memory that writing these blocks, each once, may need: setBlock() does not
+    /// fail for want of it then. \throws std::bad_alloc, std::length_error
     /// \pre the blocks are addressable
-    virtual std::shared_ptr<const void> keepRoomFor(const WrittenBlocks& written) = 0;
+    virtual void keepRoomFor(const WrittenBlocks& written) = 0;
 
     // Every storage calls these before it changes values.
 

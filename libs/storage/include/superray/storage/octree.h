@@ -44,7 +44,7 @@ class Octree final : public OccupancyMap<3> {
     BlockSaturation<3> saturation(const BlockKey<3>& key, float lowerClamp) const override;
 
  private:
-    std::shared_ptr<const void> keepRoomFor(const WrittenBlocks& written) override;
+    void keepRoomFor(const WrittenBlocks& written) override;
 
     struct Impl;
     std::unique_ptr<Impl> impl_;

@@ -35,7 +35,7 @@ class Quadtree final : public OccupancyMap<2> {
     BlockSaturation<2> saturation(const BlockKey<2>& key, float lowerClamp) const override;
 
  private:
-    std::shared_ptr<const void> keepRoomFor(const WrittenBlocks& written) override;
+    void keepRoomFor(const WrittenBlocks& written) override;
 
     struct Impl;
     std::unique_ptr<Impl> impl_;
