@@ -47,6 +47,9 @@ inline FailingAllocations allocations;
 void operator delete(void* p, std::align_val_t) noexcept {
     operator delete(p);
 }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
+    operator delete(p);
+}
 // Sanitizers have their own of these.
 void* operator new[](std::size_t bytes) {
     return operator new(bytes);

@@ -110,10 +110,11 @@ TYPED_TEST(ApplyFailure, OfExactCountsLeavesTheMapAsItWas) {
     Update few;
     few.second = UpdateBatch<3>();
     for (int i = 0; i < 12; ++i)
-        addRandomBlock<3>(few.second, {i - 6, i % 3, i % 2}, static_cast<Fill>(1 + i % 5), random);
+        addRandomBlock<3>(few.second, {i - 6, i % 3, i % 2}, static_cast<Fill>(1 + i % 5),
+                          random);
     const CellCountMap<3> counts = countsOf(few.second);
-    const int failed = failAtEachAllocation<TypeParam>(
-        few, [&](TypeParam& map) { applyCounts(map, counts); });
+    const int failed =
+        failAtEachAllocation<TypeParam>(few, [&](TypeParam& map) { applyCounts(map, counts); });
     EXPECT_GT(failed, 5);
 }
 

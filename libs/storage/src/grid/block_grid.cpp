@@ -251,8 +251,7 @@ std::size_t BlockGrid<Dim>::heldBytes() const {
 
 template <int Dim>
 std::size_t BlockGrid<Dim>::heldBytesAtMost(std::size_t blocks, unsigned) const {
-    return sizeof(Impl) +
-           grid::memoryBytesAtMost<Dim>(*impl_, grid::growthAtMost<Dim>(blocks));
+    return sizeof(Impl) + grid::memoryBytesAtMost<Dim>(*impl_, grid::growthAtMost<Dim>(blocks));
 }
 
 template <int Dim>

@@ -57,10 +57,9 @@ std::size_t NodeArena::chunkBytesAtMost(const Demand& demand) const {
     std::size_t room = 0, bytes = chunkBytes_;
     for (const Range& range : ranges_) room += usable(range.size());
     room += reserved_.size() * usable(kLastChunk);
-    const bool hasRange =
-        !reserved_.empty() || std::any_of(ranges_.begin(), ranges_.end(), [&](const Range& r) {
-            return r.size() >= demand.step;
-        });
+    const bool hasRange = !reserved_.empty() ||
+                          std::any_of(ranges_.begin(), ranges_.end(),
+                                      [&](const Range& r) { return r.size() >= demand.step; });
     auto kept = room_.begin();
     for (bool enough = hasRange && room >= fresh; !enough; enough = room >= fresh) {
         const std::size_t chunk =

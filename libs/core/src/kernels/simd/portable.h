@@ -46,7 +46,11 @@ struct Portable {
     /// units / 2^31 of what is not negative.
     static Long8 wholeUnits(Long8 units) { return units >> kUnitBits; }
     /// a * b of the low 32 bits, which have no sign.
-    static Long8 product(Long8 a, Long8 b) { return (a & 0xFFFFFFFF) * (b & 0xFFFFFFFF); }
+    static Long8 product(Long8 a, Long8 b) {
+        using Unsigned8 = std::uint64_t __attribute__((vector_size(64)));
+        const auto low = [](Long8 x) { return reinterpret_cast<Unsigned8>(x) & 0xFFFFFFFF; };
+        return reinterpret_cast<Long8>(low(a) * low(b));
+    }
     /// int32 to int64; the high halves of negative ones: any.
     static Long8 wide(Ints x) { return __builtin_convertvector(x, Long8); }
     /// to[i] = a[i]
