@@ -75,7 +75,7 @@ void NodeArena::keepRoom(const Demand& demand) {
     for (const Chunk& chunk : room_) bytes += chunk.bytes;
     for (const std::size_t needed = chunkBytesAtMost(demand); bytes < needed;) {
         const std::size_t chunk = chunkSize(bytes, demand.step);
-        room_.push_back({std::unique_ptr<std::byte[]>(new std::byte[chunk]), chunk});
+        room_.push_back(makeChunk(chunk));
         bytes += chunk;
     }
     // For what the shares come to note.
@@ -101,12 +101,19 @@ NodeArena::Range NodeArena::findChunk(std::size_t least) {
     return newChunk(least);
 }
 
+/// Its memory is not touched.
+NodeArena::Chunk NodeArena::makeChunk(std::size_t bytes) {
+    Chunk chunk{nullptr, bytes};
+    chunk.memory.reset(new std::byte[bytes]);
+    return chunk;
+}
+
 NodeArena::Range NodeArena::newChunk(std::size_t least) {
     // Of small pages: huge ones save a fifth of an update where the system has them
     // at hand, but on virtual machines whose host must provide them first they take
     // six times as long as small ones, and a tree touches new ones at every scan.
     const std::size_t bytes = chunkSize(chunkBytes_, least);
-    return addChunk({std::unique_ptr<std::byte[]>(new std::byte[bytes]), bytes});
+    return addChunk(makeChunk(bytes));
 }
 
 NodeArena::Range NodeArena::addChunk(Chunk chunk) {

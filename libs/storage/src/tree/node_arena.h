@@ -81,6 +81,7 @@ class NodeArena {
     static std::size_t chunkSize(std::size_t arenaBytes, std::size_t least);
     Range findChunk(std::size_t least);
     Range newChunk(std::size_t least);
+    static Chunk makeChunk(std::size_t bytes);
     Range addChunk(Chunk chunk);
     void noteFree() {
         freeNodes_ = nodes_.first != nullptr;

@@ -199,8 +199,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     // applied, and may fail; the cells are as before then:
     virtual void scanToCome(const UpdateBatch<Dim>& /*batch*/) {}
     virtual void scanToCome(const CellCountMap<Dim>& /*counts*/) {}
-    /// Called after a scan was applied; must not fail.
-    /// \param forgotten by the window: blocks without known cells
+    /// Called after a scan was applied; must not fail. The blocks that the window has
+    /// forgotten have no known cells any more.
     virtual void scanApplied(const RayBundle<Dim>& /*rays*/, const BlockKeys& /*forgotten*/) {}
 
     /// \throws MemoryLimitError if more is needed [bytes] than a bound allows (0: none)
