@@ -16,6 +16,7 @@ struct FailingAllocations {
     std::atomic<std::size_t> leastSize{0};
     std::atomic<int> allowed{-1};  ///< -1: no limit
     std::atomic<int> asked{0}, refused{0};
+    std::atomic<std::size_t> freed{0};
 
     void refuseSome(std::size_t bytes) {
         if (bytes < leastSize) return;
@@ -36,6 +37,7 @@ inline FailingAllocations allocations;
     throw std::bad_alloc();
 }
 [[gnu::noinline]] void operator delete(void* p) noexcept {
+    ++superray::test::allocations.freed;
     std::free(p);
 }
 [[gnu::noinline]] void* operator new(std::size_t bytes, std::align_val_t alignment) {

@@ -6,11 +6,14 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <deque>
+#include <new>
 #include <random>
 #include <set>
 #include <thread>
 
 #include "core/memory/resident_memory.h"
+#include "failing_allocations.h"
 
 namespace superray::test {
 namespace {
@@ -202,6 +205,53 @@ TEST(NodeArena, WhatSharesLeaveIsUsedUp) {
     }
     const std::size_t used = 5000u * 10 * kNode;
     EXPECT_LE(arena.chunkBytes(), 2 * used + NodeArena::kFirstChunk);
+}
+
+TEST(NodeArena, RoomIsTakenBeforehandAndCountedWhenItIsUsed) {
+    std::mt19937 random(5);
+    NodeArena arena;
+    for (const unsigned shares : {1u, 3u, 1u}) {
+        constexpr std::size_t kStep = 16000, kSteps = 400;
+        constexpr std::size_t kNodes = kStep / 2 / kNode, kFamilies = kStep / 2 / kFamily;
+        const NodeArena::Demand demand{kSteps * kNodes, kSteps * kFamilies, kStep, shares};
+        const std::size_t before = arena.chunkBytes(), most = arena.chunkBytesAtMost(demand);
+        arena.keepRoom(demand);
+        EXPECT_EQ(arena.chunkBytes(), before);
+        EXPECT_EQ(arena.chunkBytesAtMost(demand), most);
+        {
+            std::deque<NodeArena::Share> users;
+            for (unsigned s = 0; s < shares; ++s) users.emplace_back(arena);
+            allocations.allowed = 0;
+            for (std::size_t step = 0; step < kSteps; ++step) {
+                NodeArena::Share& user = users[random() % shares];
+                user.reserve(kStep);
+                for (std::size_t i = 0; i < kNodes; ++i) std::memset(user.node(), 1, kNode);
+                for (std::size_t i = 0; i < kFamilies; ++i)
+                    std::memset(user.family(), 2, kFamily);
+            }
+            allocations.allowed = -1;
+        }
+        EXPECT_LE(arena.chunkBytes(), most);
+        EXPECT_GT(arena.chunkBytes(), before);
+    }
+}
+
+TEST(NodeArena, RoomThatCannotBeHadTakesNothing) {
+    constexpr std::size_t kStep = 16000;
+    const NodeArena::Demand demand{1000000, 100000, kStep};
+    for (int allowed = 0; allowed < 12; ++allowed) {
+        NodeArena arena;
+        const std::size_t freed = allocations.freed;
+        const int asked = allocations.asked;
+        allocations.allowed = allowed;
+        EXPECT_THROW(arena.keepRoom(demand), std::bad_alloc);
+        allocations.allowed = -1;
+        // Other than what lists are made of: the chunks that there was memory for.
+        EXPECT_EQ(arena.chunkBytes(), 0u);
+        EXPECT_EQ(allocations.asked - asked, allowed + 1);
+        EXPECT_GE(allocations.freed - freed + 1, static_cast<std::size_t>(allowed))
+            << "all but a list's memory";
+    }
 }
 
 TEST(NodeArena, SwapAndClear) {

@@ -53,8 +53,8 @@ std::size_t memoryBytesAtMost(const Blocks<Dim>& grid, const Growth& g) {
 /// \throws std::bad_alloc, std::length_error
 template <int Dim>
 void keepRoom(Blocks<Dim>& grid, const Growth& g) {
+    grid.layers.keepRoom(g.layers);  // nearly all of it
     grid.payloads.keepRoom(g.payloads);
-    grid.layers.keepRoom(g.layers);
 }
 
 }  // namespace superray::grid

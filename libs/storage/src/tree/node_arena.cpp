@@ -71,20 +71,25 @@ std::size_t NodeArena::chunkBytesAtMost(const Demand& demand) const {
 }
 
 void NodeArena::keepRoom(const Demand& demand) {
-    std::size_t bytes = chunkBytes_;
-    for (const Chunk& chunk : room_) bytes += chunk.bytes;
-    for (const std::size_t needed = chunkBytesAtMost(demand); bytes < needed;) {
-        const std::size_t chunk = chunkSize(bytes, demand.step);
-        room_.push_back(makeChunk(chunk));
-        bytes += chunk;
+    const std::size_t before = room_.size();
+    try {
+        std::size_t bytes = chunkBytes_;
+        for (const Chunk& chunk : room_) bytes += chunk.bytes;
+        for (const std::size_t needed = chunkBytesAtMost(demand); bytes < needed;) {
+            room_.push_back(makeChunk(chunkSize(bytes, demand.step)));
+            bytes += room_.back().bytes;
+        }
+        // For what the shares come to note.
+        const auto makeRoom = [](auto& list, std::size_t more) {
+            if (list.capacity() - list.size() < more)
+                list.reserve(std::max(2 * list.capacity(), list.size() + more));
+        };
+        makeRoom(chunks_, room_.size());
+        makeRoom(ranges_, room_.size() + reserved_.size() + 2 * demand.shares + 4);
+    } catch (...) {
+        room_.resize(before);  // others may need the memory
+        throw;
     }
-    // For what the shares come to note.
-    const auto makeRoom = [](auto& list, std::size_t more) {
-        if (list.capacity() - list.size() < more)
-            list.reserve(std::max(2 * list.capacity(), list.size() + more));
-    };
-    makeRoom(chunks_, room_.size());
-    makeRoom(ranges_, room_.size() + reserved_.size() + 2 * demand.shares + 4);
 }
 
 NodeArena::Range NodeArena::findChunk(std::size_t least) {
@@ -103,8 +108,9 @@ NodeArena::Range NodeArena::findChunk(std::size_t least) {
 
 /// Its memory is not touched.
 NodeArena::Chunk NodeArena::makeChunk(std::size_t bytes) {
-    Chunk chunk{nullptr, bytes};
+    Chunk chunk;
     chunk.memory.reset(new std::byte[bytes]);
+    chunk.bytes = bytes;
     return chunk;
 }
 

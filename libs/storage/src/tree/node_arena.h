@@ -51,7 +51,7 @@ class NodeArena {
     std::size_t chunkBytesAtMost(const Demand& demand) const;
     /// Makes sure that the demand can be met without failure. Nothing touches the memory
     /// that this takes, and chunkBytes() counts it when shares take it.
-    /// \throws std::bad_alloc  \pre no shares
+    /// \throws std::bad_alloc, and takes nothing then  \pre no shares
     void keepRoom(const Demand& demand);
 
  private:
@@ -75,7 +75,7 @@ class NodeArena {
     };
     struct Chunk {
         std::unique_ptr<std::byte[]> memory;
-        std::size_t bytes;
+        std::size_t bytes = 0;
     };
     /// Size of a new chunk for an arena of so many bytes.
     static std::size_t chunkSize(std::size_t arenaBytes, std::size_t least);
