@@ -72,8 +72,7 @@ void CSuperRayPointsMap<Dim>::makeRoomFor(
 }
 
 template <int Dim>
-void CSuperRayPointsMap<Dim>::follow(const RayBundle<Dim>& rays,
-                                     const std::vector<BlockKey<Dim>>& forgotten) {
+void CSuperRayPointsMap<Dim>::follow(const RayBundle<Dim>& rays, const BlockKeys& forgotten) {
     for (const BlockKey<Dim>& key : forgotten) forgetBlock(key);
     for (const BlockKey<Dim>& key : toFollow_)
         occupancy_->storage().visitBlock(
@@ -200,23 +199,22 @@ void CSuperRayPointsMap<Dim>::forgetPoints() {
     CSimplePointsMap::internal_clear();
 }
 
-#define SUPERRAY_INSTANTIATE(Dim)                                                     \
-    template void CSuperRayPointsMap<Dim>::prepare(const UpdateBatch<Dim>&);          \
-    template void CSuperRayPointsMap<Dim>::prepare(const CellCountMap<Dim>&);         \
-    template void CSuperRayPointsMap<Dim>::follow(const RayBundle<Dim>&,              \
-                                                  const std::vector<BlockKey<Dim>>&); \
-    template void CSuperRayPointsMap<Dim>::makeRoomFor(                               \
-        const OccupancyMap<Dim>::WrittenBlocks&);                                     \
-    template void CSuperRayPointsMap<Dim>::completePoints();                          \
-    template void CSuperRayPointsMap<Dim>::followBlock(const BlockView<Dim>&);        \
-    template void CSuperRayPointsMap<Dim>::followAllBlocks();                         \
-    template void CSuperRayPointsMap<Dim>::forgetBlock(const BlockKey<Dim>&);         \
-    template void CSuperRayPointsMap<Dim>::forgetLostBlocks();                        \
-    template void CSuperRayPointsMap<Dim>::averageEnds(const RayBundle<Dim>&);        \
-    template std::uint32_t& CSuperRayPointsMap<Dim>::pointAt(const Cell<Dim>&);       \
-    template void CSuperRayPointsMap<Dim>::addPoint(const Source&,                    \
-                                                    const std::array<float, 3>&);     \
-    template void CSuperRayPointsMap<Dim>::removePoint(std::uint32_t);                \
+#define SUPERRAY_INSTANTIATE(Dim)                                                           \
+    template void CSuperRayPointsMap<Dim>::prepare(const UpdateBatch<Dim>&);                \
+    template void CSuperRayPointsMap<Dim>::prepare(const CellCountMap<Dim>&);               \
+    template void CSuperRayPointsMap<Dim>::follow(const RayBundle<Dim>&, const BlockKeys&); \
+    template void CSuperRayPointsMap<Dim>::makeRoomFor(                                     \
+        const OccupancyMap<Dim>::WrittenBlocks&);                                           \
+    template void CSuperRayPointsMap<Dim>::completePoints();                                \
+    template void CSuperRayPointsMap<Dim>::followBlock(const BlockView<Dim>&);              \
+    template void CSuperRayPointsMap<Dim>::followAllBlocks();                               \
+    template void CSuperRayPointsMap<Dim>::forgetBlock(const BlockKey<Dim>&);               \
+    template void CSuperRayPointsMap<Dim>::forgetLostBlocks();                              \
+    template void CSuperRayPointsMap<Dim>::averageEnds(const RayBundle<Dim>&);              \
+    template std::uint32_t& CSuperRayPointsMap<Dim>::pointAt(const Cell<Dim>&);             \
+    template void CSuperRayPointsMap<Dim>::addPoint(const Source&,                          \
+                                                    const std::array<float, 3>&);           \
+    template void CSuperRayPointsMap<Dim>::removePoint(std::uint32_t);                      \
     template void CSuperRayPointsMap<Dim>::forgetPoints();
 SUPERRAY_INSTANTIATE(2)
 SUPERRAY_INSTANTIATE(3)

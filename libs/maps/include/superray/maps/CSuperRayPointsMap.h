@@ -78,6 +78,7 @@ class CSuperRayPointsMap : public AssignablePointsMap {
     };
     static constexpr std::uint32_t kNoPoint = ~std::uint32_t{0};
     using BlockPoints = std::array<std::uint32_t, kBlockCells<Dim>>;
+    using BlockKeys = std::vector<BlockKey<Dim>>;
 
     void internal_clear() override;
     bool internal_insertObservation(
@@ -93,7 +94,7 @@ class CSuperRayPointsMap : public AssignablePointsMap {
     // does not.
     void prepare(const UpdateBatch<Dim>& batch);
     void prepare(const CellCountMap<Dim>& counts);
-    void follow(const RayBundle<Dim>& rays, const std::vector<BlockKey<Dim>>& forgotten);
+    void follow(const RayBundle<Dim>& rays, const BlockKeys& forgotten);
     void makeRoomFor(const typename OccupancyMap<Dim>::WrittenBlocks& written);
     template <class Visit>
     std::size_t forEachNewPoint(const typename OccupancyMap<Dim>::WrittenBlocks& written,
@@ -123,7 +124,7 @@ class CSuperRayPointsMap : public AssignablePointsMap {
     std::unique_ptr<Occupancy> occupancy_;
     std::vector<Source> sources_;  // parallel to the points
     std::unordered_map<BlockKey<Dim>, std::unique_ptr<BlockPoints>, IndexHash> blocks_;
-    std::vector<BlockKey<Dim>> toFollow_;  // when the scan has been applied
+    BlockKeys toFollow_;  // when the scan has been applied
 };
 
 extern template class CSuperRayPointsMap<2>;
