@@ -94,6 +94,52 @@ TEST(BenchCli, replaysInRealTime) {
     expectError(folder, "realtime absent.rawlog", "absent.rawlog");
 }
 
+nlohmann::json accuracyOf(const TempFolder& folder, const std::string& arguments) {
+    const auto document = nlohmann::json::parse(
+        runOk(folder,
+              "accuracy indoor --scans 2 --resolutions 0.4 --policies netEvidence "
+              "--models shared --json " +
+                  arguments));
+    return document["runs"];
+}
+
+TEST(BenchCli, tellsHowTrueMapsAre) {
+    TempFolder folder;
+    const auto runs = accuracyOf(folder, "--engines grid,octomap");
+    ASSERT_EQ(runs.size(), 2u);
+    for (const auto& run : runs) {
+        double tested = 0, right = 0;
+        for (const char* kind : {"occupied", "free"}) {
+            const double ofKind = run[kind]["tested"];
+            EXPECT_NEAR(ofKind, 0.2 * 2 * 89446, 500) << "a fifth of the points is held out";
+            tested += ofKind;
+            right += run[kind]["right"].get<double>();
+            double inRanges = 0;
+            for (const auto& range : run["by_range"])
+                inRanges += range[kind]["tested"].get<double>();
+            EXPECT_EQ(inRanges, ofKind);
+        }
+        EXPECT_NEAR(run["accuracy"], right / tested, 1e-9);
+        EXPECT_LE(run["accuracy"], run["ceiling"]);
+    }
+    EXPECT_GT(runs[0]["accuracy"], 0.9);
+    EXPECT_GT(runs[0]["truth"]["iou"], 0.7);
+    const auto noisy = accuracyOf(folder, "--engines grid --pose-noise 0.3,3");
+    EXPECT_LT(noisy[0]["accuracy"], runs[0]["accuracy"]);
+    EXPECT_LT(noisy[0]["truth"]["iou"], runs[0]["truth"]["iou"]);
+}
+
+TEST(BenchCli, drawsMapsOverTheTruth) {
+    TempFolder folder;
+    const auto text = runOk(folder,
+                            "accuracy indoor --scans 1 --resolutions 0.4 "
+                            "--engines grid --policies netEvidence,everyRay --picture '" +
+                                (folder / "maps.png") + "'");
+    EXPECT_NE(text.find("everyRay"), std::string::npos) << text;
+    EXPECT_EQ(readWholeFile(folder / "maps.png").substr(1, 3), "PNG");
+    expectError(folder, "accuracy indoor --pose-noise 1", "--pose-noise needs two numbers");
+}
+
 TEST(BenchCli, soaksAndJudges) {
     TempFolder folder;
     const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";
