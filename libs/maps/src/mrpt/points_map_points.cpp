@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The points of a points map, which follow its cells.
 
-#include <algorithm>
+#include <superray/core/detail/grow.h>
+
 #include <limits>
 #include <utility>
 
@@ -61,14 +62,8 @@ void CSuperRayPointsMap<Dim>::makeRoomFor(
     const typename OccupancyMap<Dim>::WrittenBlocks& written) {
     const std::size_t points =
         forEachNewPoint(written, [this](const Cell<Dim>& c) { pointAt(c); });
-    const auto makeRoom = [points](auto& list) {
-        if (list.capacity() - list.size() < points)
-            list.reserve(std::max(2 * list.capacity(), list.size() + points));
-    };
-    makeRoom(sources_);
-    makeRoom(m_x);
-    makeRoom(m_y);
-    makeRoom(m_z);
+    detail::growBy(sources_, points);
+    for (auto* const axis : {&m_x, &m_y, &m_z}) detail::growBy(*axis, points);
 }
 
 template <int Dim>

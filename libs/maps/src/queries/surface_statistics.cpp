@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <superray/core/detail/grow.h>
 #include <superray/core/detail/linear_probing.h>
 #include <superray/maps/surface_statistics.h>
 
@@ -40,15 +41,12 @@ std::uint32_t SurfaceStatistics<Dim>::findOrInsert(const Cell<Dim>& cell) {
     const std::uint64_t key = keyOf(cell);
     Slot& slot = slots_[position(key)];
     if (slot.key == kFree) {
+        detail::growBy(moments_, 1);
+        detail::growBy(patches_, 1);  // nothing fails from here on
+        slot = {key, static_cast<std::uint32_t>(moments_.size())};
         moments_.emplace_back();
         moments_.back().cell = cell;
-        try {
-            patches_.emplace_back();
-        } catch (...) {
-            moments_.pop_back();
-            throw;
-        }
-        slot = {key, static_cast<std::uint32_t>(moments_.size() - 1)};
+        patches_.emplace_back();
     }
     return slot.number;
 }

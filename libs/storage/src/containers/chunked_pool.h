@@ -3,6 +3,8 @@
 /// \file chunked_pool.h
 /// Objects addressed by number, in chunks that never move.
 
+#include <superray/core/detail/grow.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
@@ -121,8 +123,7 @@ class ChunkedPool {
         constexpr std::size_t kMost = (std::size_t{1} << 32) / kChunk - 1;
         if (chunks_.size() + chunks > kMost)
             throw std::length_error("a map holds fewer than 2^32 blocks, layers or nodes");
-        if (chunks_.capacity() - chunks_.size() < chunks)
-            chunks_.reserve(std::max(chunks_.size() + chunks, 2 * chunks_.capacity()));
+        detail::growBy(chunks_, chunks);
         slabs_.emplace_back(chunks);  // nothing fails from here on
         for (std::size_t i = 0; i < chunks; ++i)
             chunks_.push_back(slabs_.back().memory.get() + i * kChunk);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tree/node_arena.h"
 
+#include <superray/core/detail/grow.h>
+
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -80,12 +82,8 @@ void NodeArena::keepRoom(const Demand& demand) {
             bytes += room_.back().bytes;
         }
         // For what the shares come to note.
-        const auto makeRoom = [](auto& list, std::size_t more) {
-            if (list.capacity() - list.size() < more)
-                list.reserve(std::max(2 * list.capacity(), list.size() + more));
-        };
-        makeRoom(chunks_, room_.size());
-        makeRoom(ranges_, room_.size() + reserved_.size() + 2 * demand.shares + 4);
+        detail::growBy(chunks_, room_.size());
+        detail::growBy(ranges_, room_.size() + reserved_.size() + 2 * demand.shares + 4);
     } catch (...) {
         room_.resize(before);  // others may need the memory
         throw;
