@@ -7,7 +7,6 @@
 #include "values/fold_layers.h"
 
 #include <algorithm>
-#include <exception>
 
 namespace superray {
 namespace {
@@ -36,24 +35,13 @@ struct BlockGrid<Dim>::Impl : grid::Blocks<Dim> {
     };
     std::vector<Left> left;
 
-    /// Takes the memory that applying a batch may need.
-    /// \throws std::bad_alloc, std::length_error
-    void keepRoom(const UpdateBatch<Dim>& batch,
-                  const typename OccupancyMap<Dim>::WrittenBlocks& written, std::size_t chunks,
-                  std::size_t step) {
-        pending.resize(std::min(batch.blockCount(), step));
+    /// Takes the memory for it. \throws std::bad_alloc
+    void prepareScratch(std::size_t blocks, std::size_t chunks, std::size_t step) {
+        pending.resize(std::min(blocks, step));
         left.resize(std::max(chunks, left.size()));
         for (Left& l : left) {
             l.toMake.reserve(step / chunks + 1);
             l.toCollapse.reserve(step / chunks + 1);
-        }
-        this->makePages(batch);
-        try {
-            grid::keepRoom<Dim>(*this, grid::growthAtMost<Dim>(batch.blockCount()));
-        } catch (const std::exception&) {
-            // The most that any scan of so many blocks may need is soon told. What this one
-            // needs is far less, and takes longer than the update.
-            grid::keepRoom<Dim>(*this, grid::growthBy<Dim>(*this, written));
         }
     }
 };
@@ -89,20 +77,15 @@ void BlockGrid<Dim>::swapContents(OccupancyMap<Dim>& other) {
 template <int Dim>
 void BlockGrid<Dim>::apply(const UpdateBatch<Dim>& batch, const SensorModel& model,
                            UpdatePolicy policy, unsigned threads) {
-    requireAddressableBlocks(batch);
+    threads = this->beginUpdate(batch, model, policy, threads);
     const std::size_t chunks = chunkCountFor(batch.blockCount(), kBlocksPerChunk, threads);
     // New blocks and layers get their numbers from one thread, some blocks ahead of the
     // folding, so that what it has just read is still in the cache.
     const std::size_t step = chunks == 1 ? kBlocksAtOnce : chunks * kBlocksOfThread;
-    // Nothing fails after this.
-    impl_->keepRoom(
-        batch,
-        [&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
-            this->forEachWritten(batch, model, policy, visit);
-        },
-        chunks, step);
+    impl_->prepareScratch(batch.blockCount(), chunks, step);
+    grid::makePages<Dim>(*impl_, batch);
+    // Nothing fails from here on.
 
-    this->noteUpdate(model);
     impl_->useClamp(model.min());
     const FoldModel foldModel(model, policy);
     const FoldVersion& fold = foldForThisCpu();
@@ -259,6 +242,11 @@ std::size_t BlockGrid<Dim>::heldBytesWith(
     const typename OccupancyMap<Dim>::WrittenBlocks& written) const {
     return sizeof(Impl) +
            grid::memoryBytesAtMost<Dim>(*impl_, grid::growthBy<Dim>(*impl_, written));
+}
+
+template <int Dim>
+void BlockGrid<Dim>::keepRoomFor(std::size_t blocks, unsigned /*threads*/) {
+    grid::keepRoom<Dim>(*impl_, grid::growthAtMost<Dim>(blocks));
 }
 
 template <int Dim>

@@ -4,6 +4,8 @@
 
 #include "grid/grid_blocks.h"
 
+#include <array>
+#include <cstdint>
 #include <unordered_set>
 
 namespace superray::grid {
@@ -55,6 +57,25 @@ template <int Dim>
 void keepRoom(Blocks<Dim>& grid, const Growth& g) {
     grid.layers.keepRoom(g.layers);  // nearly all of it
     grid.payloads.keepRoom(g.payloads);
+}
+
+/// Makes the pages of a batch's blocks that will be written to. \throws std::bad_alloc
+template <int Dim>
+void makePages(Blocks<Dim>& grid, const UpdateBatch<Dim>& batch) {
+    using Table = typename Blocks<Dim>::Table;
+    // Most blocks are in a page of one before: these are not looked up again.
+    std::array<std::uint64_t, 256> there;
+    there.fill(Table::kNoPage);
+    for (std::size_t b = 0; b < batch.blockCount(); ++b) {
+        const std::uint64_t page = Table::pageOf(batch.key(b));
+        std::uint64_t& last = there[(page * 0x9E3779B97F4A7C15ull) >> 56];
+        if (last == page) continue;
+        if (grid.table.find(batch.key(b)) == Table::kNowhere) {
+            if (!batch.touched(b).any()) continue;
+            grid.table.findOrMake(batch.key(b));
+        }
+        last = page;
+    }
 }
 
 }  // namespace superray::grid

@@ -40,11 +40,9 @@ void Octree::swapContents(OccupancyMap<3>& other) {
 
 void Octree::apply(const UpdateBatch<3>& batch, const SensorModel& model, UpdatePolicy policy,
                    unsigned threads) {
+    threads = beginUpdate(batch, model, policy, threads);
     impl_->nodes.use(model.probabilities());
-    noteUpdate(model);
-    impl_->apply(batch, model, policy, threads, [&](const BlockVisitor& visit) {
-        forEachWritten(batch, model, policy, visit);
-    });
+    impl_->apply(batch, model, policy, threads);
 }
 
 std::optional<float> Octree::logOdds(const Cell<3>& cell) const {
@@ -94,6 +92,9 @@ std::size_t Octree::heldBytesAtMost(std::size_t blocks, unsigned threads) const 
 }
 std::size_t Octree::heldBytesWith(const WrittenBlocks& written) const {
     return impl_->nodes.heldBytesWith(impl_->growthBy(written), 1);
+}
+void Octree::keepRoomFor(std::size_t blocks, unsigned threads) {
+    impl_->keepRoomFor(blocks, threads);
 }
 void Octree::keepRoomFor(const WrittenBlocks& written) {
     impl_->keepRoomFor(written);

@@ -188,10 +188,8 @@ void Quadtree::swapContents(OccupancyMap<2>& other) {
 
 void Quadtree::apply(const UpdateBatch<2>& batch, const SensorModel& model, UpdatePolicy policy,
                      unsigned threads) {
-    noteUpdate(model);
-    impl_->apply(batch, model, policy, threads, [&](const BlockVisitor& visit) {
-        forEachWritten(batch, model, policy, visit);
-    });
+    threads = beginUpdate(batch, model, policy, threads);
+    impl_->apply(batch, model, policy, threads);
 }
 
 std::optional<float> Quadtree::logOdds(const Cell<2>& cell) const {
@@ -238,6 +236,9 @@ std::size_t Quadtree::heldBytesAtMost(std::size_t blocks, unsigned) const {
 }
 std::size_t Quadtree::heldBytesWith(const WrittenBlocks& written) const {
     return sizeof(Impl) + impl_->nodes.memoryBytesWith(impl_->growthBy(written));
+}
+void Quadtree::keepRoomFor(std::size_t blocks, unsigned threads) {
+    impl_->keepRoomFor(blocks, threads);
 }
 void Quadtree::keepRoomFor(const WrittenBlocks& written) {
     impl_->keepRoomFor(written);

@@ -14,7 +14,6 @@
 
 #include <superray/storage/occupancy_map.h>
 
-#include <exception>
 #include <optional>
 #include <vector>
 
@@ -33,11 +32,10 @@ class TreeStorage {
     Nodes nodes;
     SaturationCache<Dim> cache;
 
-    /// \param written what it writes, see OccupancyMap::forEachWritten()
-    /// \throws std::bad_alloc, std::length_error, and changes nothing then
+    /// \pre there is room for what this makes, see keepRoomFor()
+    /// \throws std::bad_alloc, and changes nothing then
     void apply(const UpdateBatch<Dim>& batch, const SensorModel& model, UpdatePolicy policy,
-               unsigned threads, const WrittenBlocks& written) {
-        requireAddressableBlocks(batch);
+               unsigned threads) {
         // Whatever stops the update, nothing stale is kept.
         struct Guard {
             SaturationCache<Dim>& cache;
@@ -46,20 +44,14 @@ class TreeStorage {
                 if (!done) cache.clear();
             }
         } guard{cache};
-        TreeApply<Nodes> update(nodes, cache, blocks_, batch, model, policy);
-        try {
-            nodes.keepRoom(Nodes::growthAtMost(batch.blockCount()), threads);
-        } catch (const std::exception&) {
-            // The most that any scan of so many blocks may need is soon told. What this one
-            // needs is far less, and takes longer than the update.
-            threads = 1;
-            nodes.keepRoom(growthBy(written), threads);
-        }
-        update.run(threads);
+        TreeApply<Nodes>(nodes, cache, blocks_, batch, model, policy).run(threads);
         guard.done = true;
     }
 
-    /// See OccupancyMap.
+    // See OccupancyMap.
+    void keepRoomFor(std::size_t blocks, unsigned threads) {
+        nodes.keepRoom(Nodes::growthAtMost(blocks), threads);
+    }
     void keepRoomFor(const WrittenBlocks& written) { nodes.keepRoom(growthBy(written), 1); }
 
     std::optional<float> logOdds(const Cell<Dim>& cell) const {

@@ -7,6 +7,7 @@
 #include "values/value_rules.h"
 
 #include <array>
+#include <exception>
 #include <unordered_map>
 
 namespace superray {
@@ -97,6 +98,23 @@ void OccupancyMap<Dim>::apply(const CellCountMap<Dim>& counts, const SensorModel
     visitAll<Dim>(blocks, [&](const BlockView<Dim>& block) { setBlock(block); });
 }
 
+template <int Dim>
+unsigned OccupancyMap<Dim>::beginUpdate(const UpdateBatch<Dim>& batch, const SensorModel& model,
+                                        UpdatePolicy policy, unsigned threads) {
+    requireAddressableBlocks(batch);
+    try {
+        keepRoomFor(batch.blockCount(), threads);
+    } catch (const std::exception&) {
+        // The most that any scan of so many blocks may need is soon told. What this one needs
+        // is far less, and takes longer than the update.
+        threads = 1;
+        keepRoomFor(
+            [&](const BlockVisitor& visit) { forEachWritten(batch, model, policy, visit); });
+    }
+    noteUpdate(model);
+    return threads;
+}
+
 #define SUPERRAY_INSTANTIATE(Dim)                                                              \
     template void OccupancyMap<Dim>::forEachWritten(                                           \
         const UpdateBatch<Dim>&, const SensorModel&, UpdatePolicy, const BlockVisitor&) const; \
@@ -104,7 +122,9 @@ void OccupancyMap<Dim>::apply(const CellCountMap<Dim>& counts, const SensorModel
         const CellCountMap<Dim>&, const SensorModel&, UpdatePolicy, const BlockVisitor&)       \
         const;                                                                                 \
     template void OccupancyMap<Dim>::apply(const CellCountMap<Dim>&, const SensorModel&,       \
-                                           UpdatePolicy);
+                                           UpdatePolicy);                                      \
+    template unsigned OccupancyMap<Dim>::beginUpdate(                                          \
+        const UpdateBatch<Dim>&, const SensorModel&, UpdatePolicy, unsigned);
 SUPERRAY_INSTANTIATE(2)
 SUPERRAY_INSTANTIATE(3)
 #undef SUPERRAY_INSTANTIATE

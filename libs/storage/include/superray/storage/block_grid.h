@@ -40,6 +40,7 @@ class BlockGrid final : public OccupancyMap<Dim> {
     BlockSaturation<Dim> saturation(const BlockKey<Dim>& key, float lowerClamp) const override;
 
  private:
+    void keepRoomFor(std::size_t blocks, unsigned threads) override;
     void keepRoomFor(const typename OccupancyMap<Dim>::WrittenBlocks& written) override;
 
     struct Impl;

@@ -126,9 +126,15 @@ class OccupancyMap : public SaturationSource<Dim> {
     OccupancyMap(const OccupancyMap&) = default;
     OccupancyMap& operator=(const OccupancyMap&) = default;
 
-    /// Takes the memory that writing these blocks, each once, may need: setBlock() does not
-    /// fail for want of it then. \throws std::bad_alloc, std::length_error
-    /// \pre the blocks are addressable
+    /// What apply() of every storage begins with: all that may fail.
+    /// \return threads to write with  \throws as apply()
+    unsigned beginUpdate(const UpdateBatch<Dim>& batch, const SensorModel& model,
+                         UpdatePolicy policy, unsigned threads);
+
+    // Take memory from the system, so that writing blocks, each once, cannot fail for want
+    // of it: any so many, or these, by one thread. \throws std::bad_alloc, std::length_error
+    // \pre the blocks are addressable
+    virtual void keepRoomFor(std::size_t blocks, unsigned threads) = 0;
     virtual void keepRoomFor(const WrittenBlocks& written) = 0;
 
     // Every storage calls these before it changes values.

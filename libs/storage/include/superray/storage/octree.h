@@ -44,6 +44,7 @@ class Octree final : public OccupancyMap<3> {
     BlockSaturation<3> saturation(const BlockKey<3>& key, float lowerClamp) const override;
 
  private:
+    void keepRoomFor(std::size_t blocks, unsigned threads) override;
     void keepRoomFor(const WrittenBlocks& written) override;
 
     struct Impl;

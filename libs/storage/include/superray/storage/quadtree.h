@@ -35,6 +35,7 @@ class Quadtree final : public OccupancyMap<2> {
     BlockSaturation<2> saturation(const BlockKey<2>& key, float lowerClamp) const override;
 
  private:
+    void keepRoomFor(std::size_t blocks, unsigned threads) override;
     void keepRoomFor(const WrittenBlocks& written) override;
 
     struct Impl;
