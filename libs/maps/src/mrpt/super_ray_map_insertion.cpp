@@ -22,14 +22,12 @@ namespace superray {
 
 template <int Dim>
 void CSuperRayMapBase<Dim>::recordChange(const UpdateBatch<Dim>& batch) {
-    changes_.begin();
     if (!changes_.recording()) return;
     for (std::size_t b = 0; b < batch.blockCount(); ++b) changes_.add(batch.key(b));
 }
 
 template <int Dim>
 void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>& counts) {
-    changes_.begin();
     if (!changes_.recording()) return;
     for (const auto& entry : counts) changes_.add(blockOf<Dim>(entry.first));
 }
@@ -192,8 +190,8 @@ void CSuperRayMapBase<Dim>::applyRays(const RayBundle<Dim>& rays, HitCells hitCe
         auto counts = countCells(rays);
         if (hitCells == HitCells::notMissed)
             counts = withoutMissesOfHitCells<Dim>(std::move(counts));
-        report.work.rays = rays.size();
         report.integrateSeconds = watch.lap();
+        report.work.rays = rays.size();
         requireRoom(counts, rays);
         applyChange(rays, counts, 1, report);
     } else {
@@ -214,6 +212,7 @@ template <int Dim>
 template <class Change>
 void CSuperRayMapBase<Dim>::applyChange(const RayBundle<Dim>& rays, const Change& change,
                                         unsigned threads, TInsertionReport& report) {
+    changes_.begin();
     // What lies outside the window is forgotten first, and of the scan it is left out: so
     // that nothing is left to do that may fail when the scan is in the map.
     const auto window = windowAround(rays);

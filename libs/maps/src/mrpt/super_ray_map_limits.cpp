@@ -115,7 +115,6 @@ typename CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(
         throw;
     }
     if (surface_) surface_->forget(forgotten, window);
-    changes_.begin();
     for (const BlockKey<Dim>& key : forgotten) changes_.add(key);
     view_->forgotten(forgotten);
     return forgotten;

@@ -248,7 +248,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     std::size_t surfaceBytesWith(const RayBundle<Dim>& rays) const;
     /// What windowRadius leaves of the map around a scan's sensor; nothing: all of it.
     std::optional<BlockWindow<Dim>> windowAround(const RayBundle<Dim>& rays) const;
-    /// Forgets what is outside. \throws std::bad_alloc; then a part may be forgotten
+    /// Forgets what is outside. \pre changes_.begin()  \throws std::bad_alloc; then a part may
+    /// be forgotten
     BlockKeys slideWindow(const BlockWindow<Dim>& window);
     void assignOptions(const TMapOptions& options);
     /// \return whether it was another, so that there is a new storage, without a reserve
@@ -257,6 +258,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     void reserveMemory();
     /// All of the contents may be different.
     void contentsChanged();
+    // \pre changes_.begin()
     void recordChange(const UpdateBatch<Dim>& batch);
     void recordChange(const CellCountMap<Dim>& counts);
     /// Inserts a scan whose rays toBundle(returns, report) makes.
