@@ -11,19 +11,16 @@
 
 namespace superray::test {
 
-/// Allocations of at least `leastSize` bytes fail once `allowed` of them have succeeded.
+/// Allocations fail once `allowed` of them have succeeded.
 struct FailingAllocations {
-    std::atomic<std::size_t> leastSize{0};
     std::atomic<int> allowed{-1};  ///< -1: no limit
-    std::atomic<int> asked{0}, refused{0};
+    std::atomic<int> asked{0};
     std::atomic<std::size_t> freed{0};
 
-    void refuseSome(std::size_t bytes) {
-        if (bytes < leastSize) return;
+    void refuseSome() {
         ++asked;
         if (allowed < 0 || allowed.fetch_sub(1) > 0) return;
         allowed = 0;
-        ++refused;
         throw std::bad_alloc();
     }
 };
@@ -32,7 +29,7 @@ inline FailingAllocations allocations;
 }  // namespace superray::test
 
 [[gnu::noinline]] void* operator new(std::size_t bytes) {
-    superray::test::allocations.refuseSome(bytes);
+    superray::test::allocations.refuseSome();
     if (void* const p = std::malloc(bytes)) return p;
     throw std::bad_alloc();
 }
@@ -41,7 +38,7 @@ inline FailingAllocations allocations;
     std::free(p);
 }
 [[gnu::noinline]] void* operator new(std::size_t bytes, std::align_val_t alignment) {
-    superray::test::allocations.refuseSome(bytes);
+    superray::test::allocations.refuseSome();
     const auto a = static_cast<std::size_t>(alignment);
     if (void* const p = std::aligned_alloc(a, (bytes + a - 1) / a * a)) return p;
     throw std::bad_alloc();

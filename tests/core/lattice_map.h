@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "core/counts_of.h"
 #include "core/test_map.h"
 
 namespace superray::test {
@@ -37,20 +38,6 @@ class HoledMap : public SaturationSource<Dim> {
  private:
     std::uint64_t seed_, oneIn_;
 };
-
-template <int Dim>
-CellCountMap<Dim> countsOf(const UpdateBatch<Dim>& batch) {
-    CellCountMap<Dim> counts;
-    for (std::size_t b = 0; b < batch.blockCount(); ++b) {
-        const BlockMask<Dim> touched = batch.touched(b);
-        for (int i = 0; i < kBlockCells<Dim>; ++i) {
-            if (!touched.test(i)) continue;
-            const std::uint32_t hits = batch.hits(b) != nullptr ? batch.hits(b)[i] : 0;
-            counts[cellInBlock<Dim>(batch.key(b), i)] = {batch.misses(b)[i], hits};
-        }
-    }
-    return counts;
-}
 
 /// A cell that two counts leave different, where every cell is as `map` has it before.
 /// Cells that nothing is known of must be touched by both or by none.

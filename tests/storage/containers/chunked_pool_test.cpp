@@ -110,13 +110,9 @@ TEST(ChunkedPool, RoomIsTakenBeforehandAndCountedWhenItIsUsed) {
         const std::size_t most = pool.memoryBytesAtMost(kMany);
         pool.keepRoom(kMany);
         EXPECT_EQ(pool.memoryBytes(), before);
-        std::vector<const Object*> places;
-        for (std::uint32_t n = 0; n < kMany; ++n) {
-            const Object& object = pool[pool.allocate()];
-            allocations.allowed = -1;  // for the list
-            places.push_back(&object);
-            allocations.allowed = 0;
-        }
+        std::vector<const Object*> places(kMany);
+        allocations.allowed = 0;
+        for (const Object*& place : places) place = &pool[pool.allocate()];
         allocations.allowed = -1;
         EXPECT_LE(pool.memoryBytes(), most);
         EXPECT_GT(pool.memoryBytes(), kMany * sizeof(Object));
