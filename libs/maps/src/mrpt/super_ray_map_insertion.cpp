@@ -34,6 +34,15 @@ void CSuperRayMapBase<Dim>::recordChange(const CellCountMap<Dim>& counts) {
 
 namespace {
 
+/// What a radius [m] leaves of the map around a scan's sensor; nothing: all of it.
+template <int Dim>
+std::optional<BlockWindow<Dim>> windowAround(const RayBundle<Dim>& rays, double radius) {
+    if (radius <= 0) return std::nullopt;
+    const CellGeometry<Dim>& geometry = rays.geometry();
+    return BlockWindow<Dim>(blockOf<Dim>(geometry.cellOf(rays.commonOrigin())), radius,
+                            geometry.resolution());
+}
+
 /// What a scan changes in a window. \return a batch that borrows the counts
 template <int Dim>
 UpdateBatch<Dim> withinWindow(const UpdateBatch<Dim>& batch, const BlockWindow<Dim>& window) {
@@ -215,7 +224,7 @@ void CSuperRayMapBase<Dim>::applyChange(const RayBundle<Dim>& rays, const Change
     changes_.begin();
     // What lies outside the window is forgotten first, and of the scan it is left out: so
     // that nothing is left to do that may fail when the scan is in the map.
-    const auto window = windowAround(rays);
+    const auto window = windowAround(rays, insertionOptions.windowRadius);
     std::optional<Change> within;
     BlockKeys forgotten;
     if (window) {

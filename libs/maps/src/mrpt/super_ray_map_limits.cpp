@@ -94,15 +94,6 @@ void CSuperRayMapBase<Dim>::requireRoom(const CellCountMap<Dim>& counts,
 }
 
 template <int Dim>
-std::optional<BlockWindow<Dim>> CSuperRayMapBase<Dim>::windowAround(
-    const RayBundle<Dim>& rays) const {
-    if (insertionOptions.windowRadius <= 0) return std::nullopt;
-    const CellGeometry<Dim>& geometry = storage_->geometry();
-    return BlockWindow<Dim>(blockOf<Dim>(geometry.cellOf(rays.commonOrigin())),
-                            insertionOptions.windowRadius, geometry.resolution());
-}
-
-template <int Dim>
 typename CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(
     const BlockWindow<Dim>& window) {
     if (surface_) makeOwnStatistics();
@@ -132,8 +123,6 @@ typename CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(
                                                          const RayBundle<Dim>&) const;         \
     template void CSuperRayMapBase<Dim>::requireRoom(const CellCountMap<Dim>&,                 \
                                                      const RayBundle<Dim>&) const;             \
-    template std::optional<BlockWindow<Dim>> CSuperRayMapBase<Dim>::windowAround(              \
-        const RayBundle<Dim>&) const;                                                          \
     template CSuperRayMapBase<Dim>::BlockKeys CSuperRayMapBase<Dim>::slideWindow(              \
         const BlockWindow<Dim>&);
 SUPERRAY_INSTANTIATE(2)

@@ -246,10 +246,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     std::size_t surfaceBytes() const { return surface_ ? surface_->memoryBytes() : 0; }
     std::size_t surfaceBytesAtMost(std::size_t newCells) const;
     std::size_t surfaceBytesWith(const RayBundle<Dim>& rays) const;
-    /// What windowRadius leaves of the map around a scan's sensor; nothing: all of it.
-    std::optional<BlockWindow<Dim>> windowAround(const RayBundle<Dim>& rays) const;
-    /// Forgets what is outside. \pre changes_.begin()  \throws std::bad_alloc; then a part may
-    /// be forgotten
+    /// Forgets what is outside of windowRadius. \pre changes_.begin()  \throws std::bad_alloc;
+    /// then a part may be forgotten
     BlockKeys slideWindow(const BlockWindow<Dim>& window);
     void assignOptions(const TMapOptions& options);
     /// \return whether it was another, so that there is a new storage, without a reserve
