@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Drives a fuzz target without libFuzzer: replay [--write-seeds DIR]
 // [--mutations N] [--seed S] [FILE or DIR ...]. Replays the files and the target's
-// seeds, then N mutations of them.
+// seeds, then N mutations of them. An input that takes too much time or memory is a
+// finding like one that crashes.
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <array>
@@ -13,6 +15,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <random>
 
 #include "fuzz/target.h"
@@ -21,6 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using Inputs = std::vector<std::string>;
+
+constexpr rlim_t kMostBytes = rlim_t{4} << 30;  // of address space, thread stacks included
+constexpr unsigned kMostSeconds = 120;          // for one input, also on a busy machine
 
 /// The input of now, written out if it crashes.
 std::string current;
@@ -34,6 +40,25 @@ void keepInput(int signal) {
     std::fprintf(stderr, "signal %d; the input is in fuzz-finding.bin\n", signal);
     std::signal(signal, SIG_DFL);
     std::raise(signal);
+}
+
+/// Keeps the machine from swapping. A target takes std::bad_alloc for an orderly refusal,
+/// and so running out of memory aborts instead.
+void limitMemory() {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes
+    const rlimit limit{kMostBytes, kMostBytes};
+    setrlimit(RLIMIT_AS, &limit);
+#endif
+    std::set_new_handler([] {
+        std::fputs("out of memory: ", stderr);
+        std::abort();
+    });
+}
+
+void runTimed(const std::string& input) {
+    alarm(kMostSeconds);
+    superray::fuzz::run(current = input);
+    alarm(0);
 }
 
 std::string contentsOf(const fs::path& path) {
@@ -95,8 +120,9 @@ void writeSeeds(const fs::path& folder) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL})
+    for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL, SIGALRM})
         std::signal(signal, keepInput);
+    limitMemory();
     Inputs inputs = superray::fuzz::seeds();
     unsigned long mutations = 0, seed = 1;
     for (int i = 1; i < argc; ++i) {
@@ -113,11 +139,10 @@ int main(int argc, char** argv) {
         else
             addFiles(argument, inputs);
     }
-    for (const auto& input : inputs) superray::fuzz::run(current = input);
+    for (const auto& input : inputs) runTimed(input);
     std::mt19937_64 random(seed);
     for (unsigned long m = 0; m < mutations; ++m)
-        superray::fuzz::run(current =
-                                mutated(inputs[random() % inputs.size()], inputs, random));
+        runTimed(mutated(inputs[random() % inputs.size()], inputs, random));
     std::printf("%zu inputs and %lu mutations of them\n", inputs.size(), mutations);
     return inputs.empty() ? 1 : 0;
 }

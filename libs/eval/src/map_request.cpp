@@ -4,6 +4,7 @@
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_request.h>
 #include <superray/maps/map_factory.h>
+#include <superray/maps/option_text.h>
 #include <superray/maps/super_ray_map_interface.h>
 
 #include <algorithm>
@@ -32,12 +33,12 @@ bool startsWith(const std::string& text, const std::string& start) {
     return text.compare(0, start.size(), start) == 0;
 }
 
-/// True if a multi-metric-map section: it has a key like superRayGridMap3D_count.
+/// True if a multi-metric-map section: it has a key like superRayGridMap3D_count, in any case.
 bool definesMaps(const mrpt::config::CConfigFileBase& config, const std::string& section) {
     std::vector<std::string> keys;
     config.getAllKeys(section, keys);
     return std::any_of(keys.begin(), keys.end(), [](const std::string& key) {
-        return key.size() > 6 && key.compare(key.size() - 6, 6, "_count") == 0;
+        return key.size() > 6 && equalIgnoringCase(key.substr(key.size() - 6), "_count");
     });
 }
 

@@ -157,6 +157,55 @@ TEST(Factory, ConfigMustDefineOneMap) {
                     "several");
 }
 
+// MRPT takes -1 for four thousand million maps and fills the memory with them.
+TEST(Factory, CountsAreWholeNumbersOfOneMapInAll) {
+    const auto messageFor = [](const std::string& lines) {
+        return test::messageOf(
+            [&] { createMapFromConfig(CConfigFileMemory("[a]\n" + lines), "a"); });
+    };
+    for (const std::string name :
+         {"superRayGridMap2D", "superray::CSuperRayOctoMap", "SUPERRAYQUADMAP"}) {
+        for (const std::string count : {"-1", "2.5", "x", "", "0x1", "18446744073709551616"}) {
+            const auto message = messageFor(name + "_count = " + count + "\n");
+            EXPECT_CONTAINS(message, name + "_count = " + count);
+            EXPECT_CONTAINS(message, "whole number");
+        }
+    }
+    EXPECT_CONTAINS(messageFor("superRayGridMap2D_count = 1000000000\n"),
+                    "superRayGridMap2D_count = 1000000000");
+    EXPECT_CONTAINS(messageFor("superRayGridMap2D_count = 1\nsuperRayOctoMap_count = 1\n"),
+                    "several");
+    EXPECT_CONTAINS(
+        messageFor("superRayOctoMap_count = 1\nsuperray::CSuperRayOctoMap_count = 1\n"),
+        "several");
+    EXPECT_CONTAINS(messageFor("superRayGridMap2D_count = 0\n"), "no superray map");
+    EXPECT_EQ(messageFor("superRayGridMap2D_count = 1 // maps\nsuperRayOctoMap_count = 0\n"
+                         "pointsMap_count = -1\n"),
+              "");
+}
+
+// A stock program asks MRPT, which asks us for one definition after the other.
+TEST(Registration, TooManyMapsOfAClassAreRefusedInMrptToo) {
+    for (const std::string name :
+         {"superRayGridMap2D", "superray::CSuperRayOctoMap", "superRayPointsMap3D"}) {
+        for (const std::string count : {"-1", "1000000000", "101"}) {
+            const auto message = test::messageOf([&] {
+                makeMaps(CConfigFileMemory("[map]\n" + name + "_count = " + count + "\n"),
+                         "map");
+            });
+            EXPECT_CONTAINS(message, name + "_count in section map: must be");
+            EXPECT_CONTAINS(message, "from 0 to 100");
+        }
+        mrpt::maps::TSetOfMetricMapInitializers definitions;
+        definitions.loadFromConfigFile(CConfigFileMemory("[map]\n" + name + "_count = 100\n"),
+                                       "map");
+        EXPECT_EQ(definitions.size(), 100u);
+    }
+    const std::shared_ptr<mrpt::maps::TMetricMapInitializer> own(
+        mrpt::maps::TMetricMapInitializer::factory("superRayOctoMap"));
+    EXPECT_NO_THROW(own->loadFromConfigFile(CConfigFileMemory(std::string()), "yard_2026"));
+}
+
 struct ConfigFile {
     const char *name, *section;
     std::set<std::string> classes;

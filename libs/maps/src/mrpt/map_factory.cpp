@@ -6,8 +6,10 @@
 #include <superray/maps/CSuperRayOctoMap.h>
 #include <superray/maps/CSuperRayQuadMap.h>
 #include <superray/maps/octomap_input.h>
+#include <superray/maps/option_text.h>
 
 #include <array>
+#include <sstream>
 #include <stdexcept>
 
 namespace superray {
@@ -33,10 +35,27 @@ constexpr std::array<MapClass, 4> kClasses{{
     {"CSuperRayQuadMap", "superRayQuadMap", make<CSuperRayQuadMap>},
 }};
 
+/// How many maps of this .ini name the section asks for.
+std::uint32_t countOfMaps(const mrpt::config::CConfigFileBase& source,
+                          const std::string& section, const std::string& iniName) {
+    std::uint32_t count = 0;
+    StrictSection(source, section).read(iniName + "_count", count);
+    return count;
+}
+
+[[noreturn]] void failWithSeveral(const std::string& section, const std::string& iniName,
+                                  std::uint32_t count) {
+    std::ostringstream message;
+    message << "[" << section << "]: defines several superray maps (" << iniName
+            << "_count = " << count << "); must define one";
+    throw std::invalid_argument(message.str());
+}
+
 }  // namespace
 
 std::vector<std::string> mapClassNames() {
     std::vector<std::string> names;
+    names.reserve(kClasses.size());
     for (const auto& c : kClasses) names.emplace_back(c.name);
     return names;
 }
@@ -54,29 +73,26 @@ MapPtr createMap(const std::string& className) {
 
 MapPtr createMapFromConfig(const mrpt::config::CConfigFileBase& source,
                            const std::string& section) {
-    mrpt::maps::TSetOfMetricMapInitializers definitions;
-    definitions.loadFromConfigFile(source, section);
-    MapPtr created;
-    for (const auto& definition : definitions) {
-        for (const auto& c : kClasses) {
-            if (std::string("superray::") + c.name !=
-                definition->getMetricMapClassType()->className)
-                continue;
-            if (created)
-                throw std::invalid_argument(
-                    "[" + section + "]: defines several superray maps; " + "must define one");
-            created = MapPtr(mrpt::maps::internal::TMetricMapTypesRegistry::Instance()
-                                 .factoryMapObjectFromDefinition(*definition));
+    // Not by MRPT's TSetOfMetricMapInitializers, which makes as many definitions as the
+    // section says (-1 is four thousand million) before anyone can look at them.
+    std::string defined, valid;
+    for (const auto& c : kClasses) {
+        valid += (valid.empty() ? "" : ", ") + std::string(c.alias) + "_count = 1";
+        for (const auto& name : {std::string(c.alias), "superray::" + std::string(c.name)}) {
+            const std::uint32_t count = countOfMaps(source, section, name);
+            if (count > 1 || (count == 1 && !defined.empty()))
+                failWithSeveral(section, name, count);
+            if (count == 1) defined = name;
         }
     }
-    if (!created) {
-        std::string valid;
-        for (const auto& c : kClasses)
-            valid += (valid.empty() ? "" : ", ") + std::string(c.alias) + "_count = 1";
+    if (defined.empty())
         throw std::invalid_argument("[" + section + "]: defines no superray map; add one of " +
                                     valid);
-    }
-    return created;
+    const std::shared_ptr<mrpt::maps::TMetricMapInitializer> definition(
+        mrpt::maps::TMetricMapInitializer::factory(defined));
+    definition->loadFromConfigFile(source, section + "_" + defined + "_00");
+    return MapPtr(mrpt::maps::internal::TMetricMapTypesRegistry::Instance()
+                      .factoryMapObjectFromDefinition(*definition));
 }
 
 MapPtr loadMap(const std::string& path) {

@@ -16,6 +16,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
+#include <stdexcept>
+#include <string>
 
 namespace superray {
 namespace {
@@ -37,6 +39,24 @@ Created createFrom(const mrpt::maps::TMetricMapInitializer& definition) {
     } else {
         return Created(std::move(map));
     }
+}
+
+constexpr unsigned long kMostMapsOfAClass = 100;
+
+/// MRPT makes as many definitions as `<name>_count` says, also for -1, until the memory is
+/// full. It reads them one by one, and so the first beyond the limit can stop it.
+/// \param prefix "<section>_<name>_<number>"
+void refuseTooManyMaps(const std::string& prefix, const std::string& name) {
+    const auto numberAt = prefix.find_last_not_of("0123456789") + 1;
+    const std::string before = "_" + name + "_";
+    if (numberAt <= before.size() || numberAt == prefix.size() ||
+        prefix.compare(numberAt - before.size(), before.size(), before) != 0)
+        return;  // read by a program of its own, with a section name of its own
+    if (std::strtoul(prefix.c_str() + numberAt, nullptr, 10) < kMostMapsOfAClass) return;
+    // MRPT takes what stands before a "]" for the place of the error, so none here.
+    throw std::invalid_argument(
+        name + "_count in section " + prefix.substr(0, numberAt - before.size()) +
+        ": must be a whole number from 0 to " + std::to_string(kMostMapsOfAClass));
 }
 
 }  // namespace
@@ -77,6 +97,8 @@ int superray_copies_loaded = 0;
     superray::Class::TMapDefinition::TMapDefinition() = default;                              \
     void superray::Class::TMapDefinition::loadFromConfigFile_map_specific(                    \
         const mrpt::config::CConfigFileBase& source, const std::string& prefix) {             \
+        superray::refuseTooManyMaps(prefix, alias);                                           \
+        superray::refuseTooManyMaps(prefix, "superray::" #Class);                             \
         options.loadFromConfigFile(source, prefix);                                           \
     }                                                                                         \
     void superray::Class::TMapDefinition::dumpToTextStream_map_specific(std::ostream& out)    \

@@ -26,7 +26,8 @@ mrpt::maps::CMetricMap::Ptr createMap(const std::string& className);
 /// The one map of this library that a multi-metric-map section defines
 /// (`superRayGridMap3D_count = 1` in [section], options in
 /// [section_superRayGridMap3D_00_...]); other maps in it are left alone.
-/// \throws std::invalid_argument if it defines none or several, and for bad options
+/// \throws std::invalid_argument if it defines none or several, for a count that is no whole
+///         number, and for bad options
 mrpt::maps::CMetricMap::Ptr createMapFromConfig(const mrpt::config::CConfigFileBase& source,
                                                 const std::string& section);
 
