@@ -4,6 +4,7 @@
 // seeds, then N mutations of them. An input that takes too much time or memory is a
 // finding like one that crashes.
 
+#include <superray/core/detail/sanitizers.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -45,10 +46,8 @@ void keepInput(int signal) {
 /// Keeps the machine from swapping. A target takes std::bad_alloc for an orderly refusal,
 /// and so running out of memory aborts instead.
 void limitMemory() {
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes
     const rlimit limit{kMostBytes, kMostBytes};
-    setrlimit(RLIMIT_AS, &limit);
-#endif
+    if (!superray::kSanitized) setrlimit(RLIMIT_AS, &limit);
     std::set_new_handler([] {
         std::fputs("out of memory: ", stderr);
         std::abort();

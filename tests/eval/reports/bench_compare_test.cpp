@@ -2,6 +2,7 @@
 // The comparison: its numbers, its JSON, and that unequal maps do not pass.
 
 #include <gtest/gtest.h>
+#include <superray/core/detail/sanitizers.h>
 #include <superray/core/traversal.h>
 #include <superray/eval/bench_compare.h>
 #include <superray/eval/input_error.h>
@@ -82,9 +83,7 @@ class Hoarder final : public BenchEngine {
 };
 
 TEST(Compare, peakMemoryIsThatOfTheEngineAlone) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << "SANITIZERS KEEP FREED MEMORY: PEAK NOT TESTED";
-#endif
+    if (kSanitized) GTEST_SKIP() << "SANITIZERS KEEP FREED MEMORY: PEAK NOT TESTED";
     addBenchEngine({"hoarder", "for this test", false, "", false,
                     [](const auto&) { return std::make_unique<Hoarder>(); }});
     TempFolder folder;

@@ -3,6 +3,7 @@
 // Runs what may do harm in processes of their own.
 
 #include <gtest/gtest.h>
+#include <superray/core/detail/sanitizers.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -70,11 +71,8 @@ std::vector<LimitedRun> runLimited(std::size_t count, const Action& action) {
             runs[next].result = results[next];
             ++next;
         }
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-        constexpr long kMostKilobytes = std::numeric_limits<long>::max();  // they keep memory
-#else
-        constexpr long kMostKilobytes = 1 << 20;  // a gigabyte
-#endif
+        constexpr long kMostKilobytes =
+            kSanitized ? std::numeric_limits<long>::max() : 1 << 20;  // a gigabyte
         if (usage.ru_maxrss > kMostKilobytes)
             runs[std::min(next, count - 1)].harm =
                 std::to_string(usage.ru_maxrss) + " kB, in this run or one before it";

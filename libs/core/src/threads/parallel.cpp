@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/core/detail/parallel.h>
+#include <superray/core/detail/sanitizers.h>
 
 #include <algorithm>
 #include <atomic>
@@ -15,7 +16,7 @@
 namespace superray {
 namespace {
 
-#ifdef __SANITIZE_THREAD__
+#if SUPERRAY_THREAD_SANITIZER
 /// ThreadSanitizer does not see what orders the threads of a pool that is not compiled for
 /// it, and would find races everywhere.
 template <typename Work>

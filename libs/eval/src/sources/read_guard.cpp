@@ -2,6 +2,7 @@
 #include "sources/read_guard.h"
 
 #include <fcntl.h>
+#include <superray/core/detail/sanitizers.h>
 #include <superray/eval/input_error.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -20,12 +21,6 @@
 
 namespace superray {
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;  // these reserve terabytes of addresses
-#else
-constexpr bool kSanitized = false;
-#endif
 
 // What the child writes: a byte per step, then one of these, then a message.
 constexpr char kStep = 's', kEnd = 'e', kError = 'x', kTruncated = 't', kMemory = 'm';
