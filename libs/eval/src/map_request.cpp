@@ -4,7 +4,6 @@
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_request.h>
 #include <superray/maps/map_factory.h>
-#include <superray/maps/option_text.h>
 #include <superray/maps/super_ray_map_interface.h>
 
 #include <algorithm>
@@ -33,15 +32,6 @@ bool startsWith(const std::string& text, const std::string& start) {
     return text.compare(0, start.size(), start) == 0;
 }
 
-/// True if a multi-metric-map section: it has a key like superRayGridMap3D_count, in any case.
-bool definesMaps(const mrpt::config::CConfigFileBase& config, const std::string& section) {
-    std::vector<std::string> keys;
-    config.getAllKeys(section, keys);
-    return std::any_of(keys.begin(), keys.end(), [](const std::string& key) {
-        return key.size() > 6 && equalIgnoringCase(key.substr(key.size() - 6), "_count");
-    });
-}
-
 mrpt::maps::CMetricMap::Ptr fromConfig(const MapRequest& request) {
     if (request.section.empty())
         throw InputError(request.configFile +
@@ -56,7 +46,7 @@ mrpt::maps::CMetricMap::Ptr fromConfig(const MapRequest& request) {
         throw InputError(request.configFile + ": has neither a section [" + request.section +
                          "] nor any [" + request.section + "_...]");
     try {
-        if (definesMaps(config, request.section)) {
+        if (!countedMapNames(config, request.section).empty()) {
             auto map = createMapFromConfig(config, request.section);
             if (!request.className) return map;
             auto other = createMap(*request.className);

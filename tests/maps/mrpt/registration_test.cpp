@@ -184,6 +184,19 @@ TEST(Factory, CountsAreWholeNumbersOfOneMapInAll) {
               "");
 }
 
+TEST(Factory, CountsOfUnknownMapsAreRefused) {
+    const auto messageFor = [](const std::string& lines) {
+        return test::messageOf([&] {
+            createMapFromConfig(CConfigFileMemory("[a]\nsuperRayOctoMap_count = 1\n" + lines),
+                                "a");
+        });
+    };
+    const auto message = messageFor("superRayGridMpa2D_count = 1\n");
+    EXPECT_CONTAINS(message, "superRayGridMpa2D_count");
+    EXPECT_CONTAINS(message, "did you mean superRayGridMap2D_count?");
+    EXPECT_EQ(messageFor("POINTSMAP_COUNT = 1\n"), "");
+}
+
 // A stock program asks MRPT, which asks us for one definition after the other.
 TEST(Registration, TooManyMapsOfAClassAreRefusedInMrptToo) {
     for (const std::string name :

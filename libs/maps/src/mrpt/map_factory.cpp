@@ -8,6 +8,7 @@
 #include <superray/maps/octomap_input.h>
 #include <superray/maps/option_text.h>
 
+#include <algorithm>
 #include <array>
 #include <sstream>
 #include <stdexcept>
@@ -35,19 +36,32 @@ constexpr std::array<MapClass, 4> kClasses{{
     {"CSuperRayQuadMap", "superRayQuadMap", make<CSuperRayQuadMap>},
 }};
 
-/// How many maps of this .ini name the section asks for.
-std::uint32_t countOfMaps(const mrpt::config::CConfigFileBase& source,
-                          const std::string& section, const std::string& iniName) {
-    std::uint32_t count = 0;
-    StrictSection(source, section).read(iniName + "_count", count);
-    return count;
+constexpr char kCount[] = "_count";
+
+/// A misspelt name would leave its map out without a word. MRPT refuses it since 2.11.3.
+void refuseUnknownNames(const mrpt::config::CConfigFileBase& source,
+                        const std::string& section) {
+    const auto& registered =
+        mrpt::maps::internal::TMetricMapTypesRegistry::Instance().getAllRegistered();
+    std::vector<std::string> known;
+    known.reserve(registered.size());
+    for (const auto& [name, functions] : registered) known.push_back(name);
+    for (const auto& name : countedMapNames(source, section)) {
+        if (std::any_of(known.begin(), known.end(),
+                        [&](const std::string& k) { return equalIgnoringCase(k, name); }))
+            continue;
+        std::ostringstream message;
+        message << "[" << section << "] " << name << kCount << ": unknown map; did you mean "
+                << closestTo(name, known) << kCount << "?";
+        throw std::invalid_argument(message.str());
+    }
 }
 
 [[noreturn]] void failWithSeveral(const std::string& section, const std::string& iniName,
                                   std::uint32_t count) {
     std::ostringstream message;
-    message << "[" << section << "]: defines several superray maps (" << iniName
-            << "_count = " << count << "); must define one";
+    message << "[" << section << "]: defines several superray maps (" << iniName << kCount
+            << " = " << count << "); must define one";
     throw std::invalid_argument(message.str());
 }
 
@@ -71,15 +85,29 @@ MapPtr createMap(const std::string& className) {
     throw std::invalid_argument("map class \"" + className + "\": must be one of " + valid);
 }
 
+std::vector<std::string> countedMapNames(const mrpt::config::CConfigFileBase& source,
+                                         const std::string& section) {
+    const std::size_t ending = std::string(kCount).size();
+    std::vector<std::string> keys, names;
+    source.getAllKeys(section, keys);
+    for (const auto& key : keys)
+        if (key.size() > ending && equalIgnoringCase(key.substr(key.size() - ending), kCount))
+            names.push_back(key.substr(0, key.size() - ending));
+    return names;
+}
+
 MapPtr createMapFromConfig(const mrpt::config::CConfigFileBase& source,
                            const std::string& section) {
     // Not by MRPT's TSetOfMetricMapInitializers, which makes as many definitions as the
     // section says (-1 is four thousand million) before anyone can look at them.
+    refuseUnknownNames(source, section);
+    StrictSection keys(source, section);
     std::string defined, valid;
     for (const auto& c : kClasses) {
-        valid += (valid.empty() ? "" : ", ") + std::string(c.alias) + "_count = 1";
+        valid += (valid.empty() ? "" : ", ") + std::string(c.alias) + kCount + " = 1";
         for (const auto& name : {std::string(c.alias), "superray::" + std::string(c.name)}) {
-            const std::uint32_t count = countOfMaps(source, section, name);
+            std::uint32_t count = 0;
+            keys.read(name + kCount, count);
             if (count > 1 || (count == 1 && !defined.empty()))
                 failWithSeveral(section, name, count);
             if (count == 1) defined = name;

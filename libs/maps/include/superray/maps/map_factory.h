@@ -23,11 +23,16 @@ std::vector<std::string> mapClassNames();
 /// \throws std::invalid_argument listing the valid names
 mrpt::maps::CMetricMap::Ptr createMap(const std::string& className);
 
+/// The names X of all keys `X_count` of a section, of any library's maps, as they are
+/// written there; none if it is no multi-metric-map section.
+std::vector<std::string> countedMapNames(const mrpt::config::CConfigFileBase& source,
+                                         const std::string& section);
+
 /// The one map of this library that a multi-metric-map section defines
 /// (`superRayGridMap3D_count = 1` in [section], options in
 /// [section_superRayGridMap3D_00_...]); other maps in it are left alone.
 /// \throws std::invalid_argument if it defines none or several, for a count that is no whole
-///         number, and for bad options
+///         number or of a map that no library has registered, and for bad options
 mrpt::maps::CMetricMap::Ptr createMapFromConfig(const mrpt::config::CConfigFileBase& source,
                                                 const std::string& section);
 
