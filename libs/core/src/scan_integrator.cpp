@@ -63,11 +63,28 @@ ScanStatistics& ScanStatistics::operator+=(const ScanStatistics& o) {
 
 template <int Dim>
 struct ScanIntegrator<Dim>::Impl {
-    SuperRayGrouper<Dim> grouper;
-    CullingRegion<Dim> region;
-    ScanWalk<Dim> walk;
+    /// Kept from scan to scan.
+    struct Buffers {
+        SuperRayGrouper<Dim> grouper;
+        CullingRegion<Dim> region;
+        ScanWalk<Dim> walk;
+    };
+    std::unique_ptr<Buffers> buffers;
     UpdateBatch<Dim> empty;
     ScanStatistics statistics;
+
+    /// Calls `use(buffers)`. After an exception they may hold a part of its scan, so they are
+    /// not used again.
+    template <class Use>
+    auto withBuffers(const Use& use) {
+        if (!buffers) buffers = std::make_unique<Buffers>();
+        try {
+            return use(*buffers);
+        } catch (...) {
+            buffers.reset();
+            throw;
+        }
+    }
 };
 
 template <int Dim>
@@ -108,7 +125,7 @@ void ScanIntegrator<Dim>::reserve(std::size_t bytes, unsigned threads) {
     IntegratorOptions options;
     options.threads = threads;
     options.validate();
-    impl_->walk.reserve(bytes, threads);
+    impl_->withBuffers([&](auto& buffers) { buffers.walk.reserve(bytes, threads); });
 }
 
 /// The culling region of a scan; empty if the method or the absence of a map wants none.
@@ -134,16 +151,12 @@ static void buildRegion(CullingRegion<Dim>& region, const RayBundle<Dim>& rays,
                  saturated);
 }
 
-template <int Dim>
-const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& rays,
-                                                       const SensorModel& model,
-                                                       const IntegratorOptions& options,
-                                                       const SaturationSource<Dim>* map) {
-    options.validate();
-    Impl& impl = *impl_;
-    ScanStatistics& statistics = impl.statistics = {};
-    statistics.rays = statistics.superRays = rays.size();
-    if (rays.empty()) return impl.empty;
+/// The counts of a scan that has rays. \param statistics what they cost: filled in
+template <int Dim, class Buffers>
+static const UpdateBatch<Dim>& countScan(const RayBundle<Dim>& rays, const SensorModel& model,
+                                         const IntegratorOptions& options,
+                                         const SaturationSource<Dim>* map, Buffers& buffers,
+                                         ScanStatistics& statistics) {
     const ScanBounds<Dim> bounds(rays);
     const Method method = options.method;
     const bool grouping = method == Method::superRays || method == Method::full;
@@ -152,26 +165,41 @@ const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& ray
     Stopwatch watch;
     const std::vector<SuperRay>* superRays = nullptr;
     if (grouping) {
-        superRays = &impl.grouper.group(rays, options.superRayThreshold);
+        superRays = &buffers.grouper.group(rays, options.superRayThreshold);
         statistics.superRays = superRays->size();
     }
     statistics.superRaySeconds = watch.lap();
 
-    buildRegion(impl.region, rays, bounds, model, options, map);
-    statistics.cullingCells = impl.region.cellCount();
+    CullingRegion<Dim>& region = buffers.region;
+    buildRegion(region, rays, bounds, model, options, map);
+    statistics.cullingCells = region.cellCount();
     statistics.cullingSeconds = watch.lap();
 
     const unsigned threads = options.threads;
     const typename ScanWalk<Dim>::Result result =
-        grouping   ? impl.walk.walkSuperRays(rays, bounds, threads, *superRays, impl.region)
-        : skipping ? impl.walk.walkSkipping(rays, bounds, threads, map,
-                                            limitsFor<Dim>(options, model, map))
-                   : impl.walk.walkEach(rays, bounds, threads, impl.region);
+        grouping   ? buffers.walk.walkSuperRays(rays, bounds, threads, *superRays, region)
+        : skipping ? buffers.walk.walkSkipping(rays, bounds, threads, map,
+                                               limitsFor<Dim>(options, model, map))
+                   : buffers.walk.walkEach(rays, bounds, threads, region);
     statistics.traversalSeconds = watch.lap();
     statistics.raysCulled = result.culled;
     statistics.traversedCells = result.counts.traversed;
     statistics.touchedBlocks = result.counts.batch.blockCount();
     return result.counts.batch;
+}
+
+template <int Dim>
+const UpdateBatch<Dim>& ScanIntegrator<Dim>::integrate(const RayBundle<Dim>& rays,
+                                                       const SensorModel& model,
+                                                       const IntegratorOptions& options,
+                                                       const SaturationSource<Dim>* map) {
+    options.validate();
+    ScanStatistics& statistics = impl_->statistics = {};
+    statistics.rays = statistics.superRays = rays.size();
+    if (rays.empty()) return impl_->empty;
+    return *impl_->withBuffers([&](auto& buffers) {
+        return &countScan(rays, model, options, map, buffers, statistics);
+    });
 }
 
 template class ScanIntegrator<2>;

@@ -76,8 +76,8 @@ class BlockDirectory {
     void setId(const BlockKey<Dim>& k, std::uint32_t n) {
         if (dense_) {
             const std::int64_t i = indexOf(k);
+            used_.push_back(i);  // first, as it may throw: clear() must find every id
             ids_[i] = n;
-            used_.push_back(i);
         } else {
             sparse_[k] = n;
         }

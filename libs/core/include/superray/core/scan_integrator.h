@@ -72,6 +72,8 @@ class ScanIntegrator {
     /// \param map current saturation of the map; may be nullptr (then no
     ///        culling by map contents)
     /// \pre !needsExactCounts(options, model, map)
+    /// \throws std::bad_alloc, std::length_error (more than 2^32 cells): then buffers, and
+    ///         what reserve() took, are given back, and a later scan is not affected
     const UpdateBatch<Dim>& integrate(const RayBundle<Dim>& rays, const SensorModel& model,
                                       const IntegratorOptions& options,
                                       const SaturationSource<Dim>* map);
