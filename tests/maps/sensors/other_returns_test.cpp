@@ -95,6 +95,20 @@ TEST(PlanarScan, OneRayLooksForward) {
     EXPECT_FALSE(readReturns(mrpt::obs::CObservation2DRangeScan(), {}));
 }
 
+TEST(PlanarScan, RangesOfZeroAndLessTellNothing) {
+    auto scan = test::planarScan(3);
+    const float ranges[] = {-1, 0, 2};
+    for (std::size_t i = 0; i < 3; ++i) {
+        scan->setScanRange(i, ranges[i]);
+        scan->setScanRangeValidity(i, true);
+    }
+    const auto returns = readReturns(*scan, {1, true, 0});
+    ASSERT_EQ(returns->hits.size(), 1u);
+    EXPECT_GT(returns->hits[0].norm(), 1.9);
+    EXPECT_TRUE(returns->noReturns.empty());
+    EXPECT_EQ(returns->noReturnCount, 2u);
+}
+
 TEST(RotatingScan, OneRowIsAPlanarScan) {
     const auto file = test::mrptDataset("rot_scan_2d.rawlog");
     SUPERRAY_SKIP_WITHOUT(file);

@@ -168,6 +168,12 @@ TEST(RangeImage, BadCamerasAreRejectedWithTheirValues) {
     scan->cameraParams.ncols = 64;
     scan->cameraParams.setIntrinsicParamsFromValues(0, 52, 31.3, 24.1);
     EXPECT_CONTAINS(test::messageOf([&] { readReturns(*scan, {}); }), "fx = 0");
+    for (const float units : {0.0f, -1.0f, INFINITY, NAN}) {
+        scan = makeImage(true);
+        scan->rangeUnits = units;
+        EXPECT_CONTAINS(test::messageOf([&] { readReturns(*scan, {}); }),
+                        "rangeUnits = " + std::to_string(units));
+    }
     scan->hasRangeImage = false;
     EXPECT_FALSE(readReturns(*scan, {}));
     EXPECT_FALSE(canReadReturns(*scan));

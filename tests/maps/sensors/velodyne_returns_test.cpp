@@ -226,5 +226,32 @@ TEST(Velodyne, DamagedPacketsAndUnknownModels) {
     EXPECT_FALSE(readReturns(Scan(), {}));
 }
 
+// A recording stores x, y and z with a size each.
+TEST(Velodyne, PointsWithoutAYOrZAreRefused) {
+    for (int axis = 0; axis < 3; ++axis) {
+        Scan scan;
+        scan.point_cloud.x = scan.point_cloud.y = scan.point_cloud.z = {1, 2, 3};
+        EXPECT_EQ(readReturns(scan, {})->hits.size(), 3u);
+        std::vector<float>* const axes[] = {&scan.point_cloud.x, &scan.point_cloud.y,
+                                            &scan.point_cloud.z};
+        axes[axis]->pop_back();
+        EXPECT_CONTAINS(test::messageOf([&] { readReturns(scan, {}); }),
+                        std::string("2 ") + "xyz"[axis]);
+    }
+}
+
+// As for 2D scans: many programs leave the range at 0, or at -1.
+TEST(Velodyne, AMaximumRangeOfZeroIsNoLimit) {
+    Scan scan;
+    scan.calibration = mrpt::obs::VelodyneCalibration::LoadDefaultCalibration("VLP16");
+    scan.scan_packets.push_back(makePacket([](int) { return 0xEEFFu; },
+                                           [](int b) { return unsigned(40 * b); },
+                                           [](int, int) { return 5000u; }, 0x37, 0x22));
+    for (const double maxRange : {-1.0, 0.0, 100.0}) {
+        scan.maxRange = maxRange;
+        EXPECT_EQ(readReturns(scan, {})->hits.size(), 12u * 32u) << maxRange;
+    }
+}
+
 }  // namespace
 }  // namespace superray

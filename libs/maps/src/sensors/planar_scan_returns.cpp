@@ -26,7 +26,7 @@ std::optional<SensorReturns> read(const mrpt::obs::CObservation2DRangeScan& scan
         const float range = scan.getScanRange(i);
         if (!scan.getScanRangeValidity(i) || std::isinf(range)) {
             to.noReturn(direction);
-        } else if (range == 0) {
+        } else if (range <= 0) {
             // Many drivers' "no echo", flagged valid: nothing is known, not even free space.
             to.invalid();
         } else {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
@@ -34,6 +35,9 @@ void readRangeImage(const CObservation3DRangeScan& scan, SensorReturns& out,
                 << " x " << camera.nrows;
         throw std::invalid_argument(message.str());
     }
+    if (!(scan.rangeUnits > 0 && std::isfinite(scan.rangeUnits)))
+        throw std::invalid_argument("rangeUnits = " + std::to_string(scan.rangeUnits) +
+                                    ": must be finite and > 0");
     const auto directions =
         pixelDirections(camera, scan.range_is_depth ? RangeKind::depth : RangeKind::range);
     const std::size_t pixels = rows * columns;
@@ -62,9 +66,6 @@ std::optional<SensorReturns> read(const CObservation3DRangeScan& scan,
     if (scan.hasRangeImage && scan.rangeImage.size() > 0) {
         readRangeImage(scan, out, to);
     } else if (scan.hasPoints3D) {
-        if (scan.points3D_y.size() != scan.points3D_x.size() ||
-            scan.points3D_z.size() != scan.points3D_x.size())
-            throw std::invalid_argument("points3D: x, y and z must have one size");
         out.hits.reserve(scan.points3D_x.size());
         collectPoints(scan.points3D_x, scan.points3D_y, scan.points3D_z, to);
     } else {

@@ -12,6 +12,8 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 namespace superray {
 
@@ -66,11 +68,16 @@ class ReturnCollector {
     float seconds_ = 0;
 };
 
-/// Points of any container pair of x, y, z; (0, 0, 0) means no return.
+/// Points of any containers of x, y, z; (0, 0, 0) means no return.
 /// \param secondsOf when point i was measured, see ReturnCollector::measuredAt()
+/// \throws std::invalid_argument if x, y and z differ in size: a recording may claim that
 template <class Floats, class SecondsOf>
 void collectPoints(const Floats& x, const Floats& y, const Floats& z, ReturnCollector& to,
                    SecondsOf secondsOf) {
+    if (y.size() != x.size() || z.size() != x.size())
+        throw std::invalid_argument("points with " + std::to_string(x.size()) + " x, " +
+                                    std::to_string(y.size()) + " y and " +
+                                    std::to_string(z.size()) + " z: must have as many of each");
     for (std::size_t i = 0; i < x.size(); ++i) {
         if (!to.next()) continue;
         to.measuredAt(secondsOf(i));

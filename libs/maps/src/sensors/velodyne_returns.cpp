@@ -182,7 +182,7 @@ class PacketReader {
                 to_.noReturn(beam.direction());
             } else if (distance < scan_.minRange) {
                 to_.invalid();
-            } else if (distance > scan_.maxRange) {
+            } else if (scan_.maxRange > 0 && distance > scan_.maxRange) {  // else: not known
                 to_.noReturn(beam.direction());
             } else {
                 to_.hit(beam.at(distance), static_cast<float>(distance));
