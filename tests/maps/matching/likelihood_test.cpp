@@ -100,8 +100,20 @@ TEST(Likelihood, ScoresOfSinglePoints) {
     EXPECT_NEAR(score(1.05, 0.05), std::log(0.8 * std::exp(-0.5 * 4) + 0.2), 1e-9);
     map.likelihoodOptions.sigma = 0.001;
     EXPECT_NEAR(score(1.05, 0.05), std::log(0.2), 1e-9);
-    map.likelihoodOptions.sigma = -1;
+    // Their ratio squared would be no number any more.
+    for (const double sigma : {-1.0, 0.0, 1e-200, 1e200}) {
+        map.likelihoodOptions.sigma = sigma;
+        EXPECT_THROW(score(1, 1), std::invalid_argument) << sigma;
+    }
+    map.likelihoodOptions.sigma = 0.1;
+    map.likelihoodOptions.maxDistance = 1e200;
     EXPECT_THROW(score(1, 1), std::invalid_argument);
+    for (const double sigma : {1e-6, 1e6})
+        for (const double distance : {1e-6, 1e6}) {
+            map.likelihoodOptions.sigma = sigma;
+            map.likelihoodOptions.maxDistance = distance;
+            EXPECT_TRUE(std::isfinite(score(1.05, 0.05))) << sigma << ' ' << distance;
+        }
 }
 
 TEST(Likelihood, DecimationAndLabels) {

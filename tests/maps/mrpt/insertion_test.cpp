@@ -318,6 +318,11 @@ TEST(Insertion, RaysOfTheCaller) {
     EXPECT_EQ(*map.storage().logOdds({4, 0}), map.sensorModel().hit());
     const RayBundle<2> other(CellGeometry<2>(0.25), {0, 0});
     EXPECT_THROW(map.insertRays(other), std::invalid_argument);
+
+    const std::string digest = map.digest();
+    map.insertionOptions.windowRadius = std::nan("");
+    EXPECT_CONTAINS(test::messageOf([&] { map.insertRays(rays); }), "windowRadius = nan");
+    EXPECT_EQ(map.digest(), digest);
 }
 
 TEST(Insertion, ThePoseOfTheRobotCountsAtInsertion) {

@@ -186,6 +186,32 @@ TEST(Files, RoundTripKeepsContentsAndOptions) {
     }
 }
 
+// Options are public members, so anything may be in them.
+TEST(Files, AMapThatCouldNotBeLoadedIsNotSaved) {
+    CSuperRayGridMap3D map(0.1);
+    ASSERT_TRUE(map.insertObservation(*test::randomCloud(100, 1)));
+    const test::TempFolder folder;
+    const std::string path = folder.file("kept.srmap");
+    map.saveToFile(path);
+    const std::string digest = map.digest();
+
+    map.insertionOptions.minrange = 5;
+    map.insertionOptions.maxrange = 4;
+    const auto message = test::messageOf([&] { map.saveToFile(path); });
+    EXPECT_CONTAINS(message, path);
+    EXPECT_CONTAINS(message, "minrange = 5");
+    EXPECT_THROW(bytesOf(map), std::exception);
+    CSuperRayGridMap3D loaded(0.1);
+    loaded.loadFromFile(path);
+    EXPECT_EQ(loaded.digest(), digest);
+
+    map.insertionOptions = {};
+    map.likelihoodOptions.sigma = 0;
+    EXPECT_THROW(map.saveToFile(path), MapFileError);
+    map.likelihoodOptions = {};
+    map.saveToFile(path);
+}
+
 TEST(Files, OtherStorageYesOtherDimensionNo) {
     const test::TempFolder folder;
     const auto path = folder.file("map.srmap");

@@ -136,9 +136,7 @@ TMapOptions CSuperRayMapBase<Dim>::options() const {
 
 template <int Dim>
 void CSuperRayMapBase<Dim>::setOptions(const TMapOptions& o) {
-    o.creation.validate();
-    o.insertion.validate();
-    o.likelihood.validate();
+    o.validate();
     useLazyLoadPath(o.creation.lazy_load_path);
     bool reserving = o.creation.reserve_megabytes != reserveMegabytes_;
     if (o.creation.load_from.empty()) {

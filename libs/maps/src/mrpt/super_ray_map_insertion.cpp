@@ -154,6 +154,7 @@ void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>& rays) {
         throw std::invalid_argument(shortClassName() + ": rays made for cells of " +
                                     std::to_string(rays.geometry().resolution()) +
                                     " m; must be " + std::to_string(resolution()) + " m");
+    insertionOptions.validate();
     TInsertionReport report;
     report.skipped = rays.skipped();
     integrate(rays, report, HitCells::missedToo);

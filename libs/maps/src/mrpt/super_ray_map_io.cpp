@@ -68,9 +68,16 @@ std::unique_ptr<OccupancyMap<3>> readOctomapCells(const std::string& path,
 
 }  // namespace
 
+/// The options of a map to be saved. They are public members, so anything may be in them.
+/// \throws std::invalid_argument for options with which the map could not be loaded
+static std::string loadableText(const TMapOptions& options) {
+    options.validate();
+    return options.toText();
+}
+
 template <int Dim>
 void CSuperRayMapBase<Dim>::writeTo(mrpt::serialization::CArchive& out) const {
-    const std::string text = options().toText();
+    const std::string text = loadableText(options());
     writeBytes(out, text);
     out << checksum(text);
     writeBytes(out, *storage_.encoded());
@@ -108,7 +115,11 @@ void CSuperRayMapBase<Dim>::saveToFile(const std::string& path) const {
     header.className = shortClassName();
     header.dimension = Dim;
     header.resolution = resolution();
-    header.options = options().toText();
+    try {
+        header.options = loadableText(options());
+    } catch (const std::invalid_argument& e) {
+        throw MapFileError(path + ": not written: " + e.what());
+    }
     saveMapFile(path, header, encodeCells(*storage_));
 }
 

@@ -187,9 +187,10 @@ void TLikelihoodOptions::saveToConfigFile(mrpt::config::CConfigFileBase& target,
 }
 void TLikelihoodOptions::validate() const {
     require(decimation >= 1, "decimation", decimation, "decimation >= 1");
-    require(std::isfinite(sigma) && sigma > 0, "sigma", sigma, "sigma > 0");
-    require(std::isfinite(maxDistance) && maxDistance > 0, "maxDistance", maxDistance,
-            "maxDistance > 0");
+    // Squares of their ratio must stay far from what a double can hold.
+    require(sigma >= 1e-6 && sigma <= 1e6, "sigma", sigma, "1e-6 <= sigma <= 1e6");
+    require(maxDistance >= 1e-6 && maxDistance <= 1e6, "maxDistance", maxDistance,
+            "1e-6 <= maxDistance <= 1e6");
     require(uniformWeight >= 0 && uniformWeight < 1, "uniformWeight", uniformWeight,
             "0 <= uniformWeight < 1");
     require(unknownLikelihood > 0 && unknownLikelihood <= 1, "unknownLikelihood",
@@ -203,6 +204,12 @@ void TRenderingOptions::loadFromConfigFile(const mrpt::config::CConfigFileBase& 
 void TRenderingOptions::saveToConfigFile(mrpt::config::CConfigFileBase& target,
                                          const std::string& section) const {
     writeSection(*this, target, section);
+}
+
+void TMapOptions::validate() const {
+    creation.validate();
+    insertion.validate();
+    likelihood.validate();
 }
 
 void TMapOptions::loadFromConfigFile(const mrpt::config::CConfigFileBase& source,

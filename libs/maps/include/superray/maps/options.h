@@ -132,8 +132,8 @@ std::string describeRule(const TInsertionOptions& options);
 /// the log-likelihood is the sum.
 struct TLikelihoodOptions : public mrpt::config::CLoadableOptions {
     std::uint32_t decimation = 1;  ///< >= 1; use one of so many measurements
-    double sigma = 0.1;            ///< [m], > 0
-    /// [m], > 0; farther is as bad as this. At most 31 cells are looked at.
+    double sigma = 0.1;            ///< [m], 1e-6 to 1e6
+    /// [m], 1e-6 to 1e6; farther is as bad as this. At most 31 cells are looked at.
     double maxDistance = 0.3;
     /// In [0, 1): share of returns that may be anywhere (people, glass); the
     /// larger, the less a single one can spoil a pose. 0: none.
@@ -174,6 +174,9 @@ struct TMapOptions {
     TInsertionOptions insertion;
     TLikelihoodOptions likelihood;
     TRenderingOptions rendering;
+
+    /// \throws std::invalid_argument naming the option, its value and the rule
+    void validate() const;
 
     /// Sections `<prefix>_creationOpts`, `_insertOpts`, `_likelihoodOpts` and
     /// `_renderOpts`; absent ones are left alone.
