@@ -5,43 +5,24 @@
 #include <mrpt/maps/CPointsMap.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationPointCloud.h>
-#include <mrpt/serialization/CArchive.h>
-#include <mrpt/serialization/stl_serialization.h>
-#include <superray/maps/compressed_input.h>
-#include <superray/maps/mrpt_compat.h>
 #include <superray/maps/newer_objects.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <stdexcept>
-#include <vector>
+#include <cstring>
+
+#include "sensors/external_input.h"
+#include "sensors/range_scan_file.h"
 
 namespace superray {
 namespace {
 
-using mrpt::obs::CObservation3DRangeScan;
 using mrpt::obs::CObservationPointCloud;
 
-/// Calls `read(file)`; says which file is broken, and how.
-template <class Reader>
-void readFile(const std::string& path, const Reader& read) {
-    CompressedInput file(path);
-    std::string why;
-    try {
-        read(file);
-        // The check sum is at the end.
-        while (!file.atEnd()) {
-            char rest[4096];
-            file.Read(rest, sizeof rest);
-        }
-        why = file.error();
-    } catch (const std::exception& e) {
-        why = file.error().empty() ? e.what() : file.error();
-    }
-    if (!why.empty())
-        throw std::runtime_error(path + ": external file of a scan cannot be read: " + why +
-                                 ", at byte " + std::to_string(file.fileOffset()) + " of " +
-                                 std::to_string(file.fileSize()));
+/// The classes of MRPT that begin with their number of points.
+bool isPlainPointsMap(const std::string& name) {
+    for (const char* plain : {"CSimplePointsMap", "CPointsMapXYZI", "CPointsMapXYZIRT",
+                              "CColouredPointsMap", "CWeightedPointsMap"})
+        if (name == plain || name == std::string("mrpt::maps::") + plain) return true;
+    return false;
 }
 
 /// The storage format of a cloud, which MRPT tells to derived classes only.
@@ -51,83 +32,82 @@ struct StorageFormat : CObservationPointCloud {
     }
 };
 
-bool loadCloud(const CObservationPointCloud& scan) {
-    if (scan.pointcloud) return true;
-    using Format = CObservationPointCloud::ExternalStorageFormat;
-    if (StorageFormat::of(scan) != Format::MRPT_Serialization) return false;
-    const auto path = mrpt::io::lazy_load_absolute_path(scan.getExternalStorageFile());
-    readFile(path, [&](CompressedInput& file) {
+/// The file holds a point cloud, and room for as many points as it claims: MRPT believes
+/// the count. `size`: bytes of the file, decompressed.
+void checkSerializedCloud(CompressedInput& file, std::uint64_t size) {
+    std::string start(1, '\0');
+    file.Read(start.data(), 1);
+    const std::size_t length = static_cast<unsigned char>(start[0]) & 0x7fu;
+    // Length and name of the class, its version, the count.
+    start.resize(1 + length + 1 + sizeof(std::uint32_t));
+    start.resize(1 + file.Read(start.data() + 1, start.size() - 1));
+    if (start.size() < 1 + length + 1 + sizeof(std::uint32_t))
+        throw std::runtime_error("it ends in its first " + std::to_string(start.size()) +
+                                 " bytes");
+    const std::string name = start.substr(1, length);
+    const auto* type = mrpt::rtti::findRegisteredClass(name);
+    if (type == nullptr || !type->derivedFrom(CLASS_ID(mrpt::maps::CPointsMap)))
+        throw std::runtime_error("it holds no point cloud");
+    std::uint32_t points = 0;
+    std::memcpy(&points, start.data() + start.size() - sizeof points, sizeof points);
+    if (isPlainPointsMap(name) && points > size / (3 * sizeof(float)))
+        throw std::runtime_error("it claims " + std::to_string(points) +
+                                 " points, more than the file has room for");
+    file.unread(start);
+}
+
+void loadSerializedCloud(CObservationPointCloud& scan, const std::string& path) {
+    // The check sum, too, is read before what it is of.
+    std::uint64_t size = 0;
+    readWholeExternalFile(path, [&](CompressedInput& file) { size = drain(file); });
+    readWholeExternalFile(path, [&](CompressedInput& file) {
+        checkSerializedCloud(file, size);
         auto cloud = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(readObject(file));
         if (!cloud) throw std::runtime_error("it holds no point cloud");
-        // load() is const in MRPT, too: the data are a cache of the file.
-        const_cast<CObservationPointCloud&>(scan).pointcloud = std::move(cloud);
-    });
-    return true;
-}
-
-bool isZstd(const std::string& path) {
-    return std::filesystem::is_regular_file(path) &&
-           CompressedInput(path).compression() == Compression::zstd;
-}
-
-/// The layout of MRPT's `*_RANGES.bin`: rows, columns, values row by row.
-void loadRangeImage(CObservation3DRangeScan& scan, const std::string& path) {
-    readFile(path, [&](CompressedInput& file) {
-        auto archive = mrpt::serialization::archiveFrom(file);
-        std::uint32_t rows = 0, columns = 0;
-        archive >> rows >> columns;
-        if (rows > 65536 || columns > 65536)
-            throw std::runtime_error("a range image of " + std::to_string(columns) + " x " +
-                                     std::to_string(rows) + " pixels: at most 65536 a side");
-        // Grows as the file does: a damaged size must not ask for gigabytes.
-        std::vector<std::uint16_t> values;
-        for (std::size_t i = 0; i < std::size_t{rows} * columns; ++i)
-            values.push_back(archive.ReadAs<std::uint16_t>());
-        mrpt::math::CMatrix_u16 image(rows, columns);
-        std::copy(values.begin(), values.end(), image.data());
-        scan.rangeImage = std::move(image);
+        scan.pointcloud = std::move(cloud);
     });
 }
 
-/// The layout of MRPT's `*_3D.bin`: all x, all y, all z.
-void loadPoints(CObservation3DRangeScan& scan, const std::string& path) {
-    readFile(path, [&](CompressedInput& file) {
-        auto archive = mrpt::serialization::archiveFrom(file);
-        std::vector<float> x, y, z;
-        archive >> x >> y >> z;
-        scan.points3D_x = {x.begin(), x.end()};
-        scan.points3D_y = {y.begin(), y.end()};
-        scan.points3D_z = {z.begin(), z.end()};
+/// What is checked here, MRPT reads.
+void checkCloudFile(CObservationPointCloud::ExternalStorageFormat format,
+                    const std::string& path) {
+    using Format = CObservationPointCloud::ExternalStorageFormat;
+    readWholeExternalFile(path, [&](CompressedInput& file) {
+        if (format == Format::PlainTextFile) {
+            readTextMatrix(file);
+            return;
+        }
+        constexpr std::uint64_t kPoint = 4 * sizeof(float);
+        const std::uint64_t bytes = drain(file);
+        if (format == Format::KittiBinFile && bytes % kPoint != 0)
+            throw std::runtime_error(std::to_string(bytes) +
+                                     " bytes are no whole number of points of 16 bytes");
     });
 }
 
-/// Only what an MRPT that does not know zstd cannot read itself.
-bool loadRangeScan(const CObservation3DRangeScan& scan) {
-    if (kMrptReadsZstd) return false;
-    const bool image = scan.hasRangeImage && scan.rangeImage_isExternallyStored();
-    const bool points = scan.hasPoints3D && scan.points3D_isExternallyStored();
-    const auto imagePath =
-        image ? scan.rangeImage_getExternalStorageFileAbsolutePath("") : std::string();
-    const auto pointsPath =
-        points ? scan.points3D_getExternalStorageFileAbsolutePath() : std::string();
-    const bool imageIsZstd = image && isZstd(imagePath);
-    const bool pointsAreZstd = points && isZstd(pointsPath);
-    if (!imageIsZstd && !pointsAreZstd) return false;
-    auto& loaded = const_cast<CObservation3DRangeScan&>(scan);
-    if (image) loadRangeImage(loaded, imagePath);
-    if (points) loadPoints(loaded, pointsPath);
-    return true;
+void loadCloud(CObservationPointCloud& scan) {
+    if (scan.pointcloud || !scan.isExternallyStored()) return;
+    const auto format = StorageFormat::of(scan);
+    const auto path = mrpt::io::lazy_load_absolute_path(scan.getExternalStorageFile());
+    if (format == CObservationPointCloud::ExternalStorageFormat::MRPT_Serialization) {
+        loadSerializedCloud(scan, path);
+    } else {
+        checkCloudFile(format, path);
+        scan.load();
+    }
 }
 
 }  // namespace
 
 void loadExternalData(const mrpt::obs::CObservation& observation) {
-    if (const auto* cloud = dynamic_cast<const CObservationPointCloud*>(&observation)) {
-        if (loadCloud(*cloud)) return;
-    } else if (const auto* scan = dynamic_cast<const CObservation3DRangeScan*>(&observation)) {
-        if (loadRangeScan(*scan)) return;
-    }
-    observation.load();
+    // load() is const in MRPT, too: the data are a cache of the file.
+    auto& loaded = const_cast<mrpt::obs::CObservation&>(observation);
+    if (auto* cloud = dynamic_cast<CObservationPointCloud*>(&loaded))
+        loadCloud(*cloud);
+    else if (auto* scan = dynamic_cast<mrpt::obs::CObservation3DRangeScan*>(&loaded))
+        loadRangeScan(*scan);
+    else
+        observation.load();
 }
 
 }  // namespace superray
