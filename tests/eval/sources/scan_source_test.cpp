@@ -125,6 +125,42 @@ TEST(ScanGraphSource, agreesWithOctomap) {
     expectTruncationIsSeen(folder, "a.graph");
 }
 
+TEST(ScanGraphSource, refusesWhatIsLeftOver) {
+    TempFolder folder;
+    octomap::ScanGraph graph;
+    for (int i = 0; i < 3; ++i) {
+        auto* points = new octomap::Pointcloud();
+        for (int k = 0; k < 20; ++k) points->push_back(1, 2, static_cast<float>(i));
+        graph.addNode(points, octomap::pose6d());
+    }
+    graph.connectPrevious();
+    ASSERT_TRUE(graph.writeBinary(folder / "one.graph"));
+    graph.addEdge(0, 2);
+    ASSERT_TRUE(graph.writeBinary(folder / "two.graph"));
+    for (const char* name : {"one.graph", "two.graph"}) {
+        EXPECT_EQ(readAll(folder / name).size(), 3u) << name;
+        const auto whole = readWholeFile(folder / name);
+        expectError(folder.write("more.graph", whole + std::string(700, 'x')),
+                    "bytes are left after its 3 nodes");
+        expectError(folder.write("cut.graph", whole.substr(0, whole.size() - 30)),
+                    "bytes are left after its 3 nodes");
+        std::string fewer = whole;
+        fewer[0] = 2;
+        expectError(folder.write("fewer.graph", fewer), "bytes are left after its 2 nodes");
+    }
+}
+
+TEST(ScanGraphSource, refusesCoordinatesOfACountry) {
+    TempFolder folder;
+    octomap::ScanGraph graph;
+    auto* points = new octomap::Pointcloud();
+    points->push_back(1, 2, -40000);
+    graph.addNode(points, octomap::pose6d());
+    ASSERT_TRUE(graph.writeBinary(folder / "far.graph"));
+    const auto error = messageOf<InputError>([&] { readAll(folder / "far.graph"); });
+    EXPECT_NE(error.find("far.graph: has points at z -40000 m"), std::string::npos) << error;
+}
+
 TEST(ScanGraphSource, refusesWhatItCannotUse) {
     TempFolder folder;
     expectError(folder.write("empty.graph", std::string(4, '\0')), "holds no scans");

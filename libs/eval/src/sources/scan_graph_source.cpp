@@ -4,6 +4,7 @@
 //   point cloud: u32 count, count vectors      (in the frame of the pose)
 //   pose:        vector, then i32 4 and four f64 quaternion terms u x y z
 //   vector:      i32 3 and three f64
+//   edges:       u32 count, count edges: ids of two nodes (u32), pose, weight (f64)
 // Read here rather than by OctoMap, which believes every count it reads.
 
 #include <mrpt/maps/CSimplePointsMap.h>
@@ -16,12 +17,14 @@
 #include <cmath>
 #include <fstream>
 
+#include "sources/clouds/sensor_points.h"
 #include "sources/scan_source_formats.h"
 
 namespace superray {
 namespace {
 
 constexpr std::uint64_t kVectorBytes = 4 + 3 * 8;
+constexpr std::uint64_t kEdgeBytes = 4 + 4 + kVectorBytes + (4 + 4 * 8) + 8;
 
 class GraphReader {
  public:
@@ -42,8 +45,7 @@ class GraphReader {
         points->reserve(count);
         for (std::uint32_t i = 0; i < count; ++i) {
             const auto p = readNumbers<3>();
-            points->insertPointFast(static_cast<float>(p[0]), static_cast<float>(p[1]),
-                                    static_cast<float>(p[2]));
+            addPoint(*points, p);
         }
         points->mark_as_modified();
         return points;
@@ -67,6 +69,18 @@ class GraphReader {
         return mrpt::poses::CPose3D(rotation, t[0], t[1], t[2]);
     }
 
+    /// After the last node. Reads no edge, but they must be all that is left.
+    void checkEdges() {
+        const std::uint64_t at = static_cast<std::uint64_t>(file_.tellg());
+        if (at == size_) return;
+        const std::uint64_t edges = read<std::uint32_t>();
+        const std::uint64_t left = size_ - at - sizeof(std::uint32_t);
+        if (left != edges * kEdgeBytes)
+            fail(std::to_string(left) + " bytes are left after its " + std::to_string(nodes_) +
+                 " nodes and the number of edges, " + std::to_string(edges) + ", which have " +
+                 std::to_string(edges * kEdgeBytes));
+    }
+
     [[noreturn]] void fail(const std::string& why) {
         file_.clear();
         throw InputError(path_ + ": is not a whole OctoMap scan graph: " + why + " (at byte " +
@@ -85,6 +99,14 @@ class GraphReader {
                 "graph is wanted");
         file_.clear();
         file_.seekg(0);
+    }
+
+    void addPoint(mrpt::maps::CSimplePointsMap& points, const std::array<double, 3>& p) const {
+        try {
+            addSensorPoint(points, p[0], p[1], p[2]);
+        } catch (const FarCoordinate& e) {
+            throw InputError(path_ + ": " + e.what());
+        }
     }
 
     template <class T>
@@ -137,6 +159,7 @@ class ScanGraphSource final : public ScanSource {
                 check.skipPoints();
                 check.readPose();
             }
+            check.checkEdges();
         } catch (const InputError& e) {
             warning_ = std::string(e.what()) + "; scans before it: " + std::to_string(whole);
             if (options.truncation == Truncation::error || whole == 0)

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <sstream>
 
+#include "sources/clouds/sensor_points.h"
 #include "sources/file_bytes.h"
 #include "sources/text_numbers.h"
 #include "text/text_input.h"
@@ -67,8 +68,13 @@ mrpt::maps::CSimplePointsMap::Ptr readKittiPoints(const fs::path& path) {
     if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
     auto points = mrpt::maps::CSimplePointsMap::Create();
     points->reserve(values.size() / 4);
-    for (std::size_t i = 0; i < values.size(); i += 4)
-        points->insertPointFast(values[i], values[i + 1], values[i + 2]);
+    try {
+        for (std::size_t i = 0; i < values.size(); i += 4)
+            addSensorPoint(*points, double{values[i]}, double{values[i + 1]},
+                           double{values[i + 2]});
+    } catch (const FarCoordinate& e) {
+        throw InputError(path.string() + ": " + e.what());
+    }
     points->mark_as_modified();
     return points;
 }
