@@ -97,6 +97,9 @@ TEST(Formats, coordinatesOfACountryAreRefused) {
         "ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\nproperty double y\n"
         "property double z\nend_header\n431234.56 1 0.5\n";
     expectPart(error("b.ply", textPly), "b.ply: has points at x 431234.56 m");
+    const float far[] = {1, 2, 0, 0, 3, 40000, 1, 0};
+    folder.write("bins/1000.bin", std::string(reinterpret_cast<const char*>(far), sizeof far));
+    expectPart(errorOf(folder / "bins", fixed), "1000.bin: has points at y 40000 m");
     // Values that tell of no point are skipped.
     const auto one = build(folder.write("a.pcd", textPcd("2.3456789")), fixed).digest;
     for (const char* x : {"nan", "1e9", "-1e300"}) {
@@ -109,6 +112,38 @@ TEST(Formats, coordinatesOfACountryAreRefused) {
     EXPECT_EQ(build(folder.write("a.pcd", textPcd("2.3456789")), fixed).scans, 1u);
     EXPECT_EQ(build(folder.write("a.ply", binaryPly("double", 2.3456789)), fixed).digest,
               build(folder.write("b.ply", binaryPly("float", 2.3456789)), fixed).digest);
+}
+
+TEST(Formats, secondHeaderLinesAndFieldsAreRefused) {
+    TempFolder folder;
+    ScanSourceOptions fixed;
+    fixed.poses = PoseOrigin::fixed;
+    const auto withLine = [&](const std::string& line) {
+        auto text = textPcd("1");
+        text.insert(text.find("POINTS"), line + "\n");
+        return errorOf(folder.write("a.pcd", text), fixed);
+    };
+    EXPECT_EQ(withLine("# FIELDS z y x"), "no exception");
+    for (const std::string line :
+         {"FIELDS z y x", "SIZE 4 4 4", "TYPE I I I", "COUNT 1 1 1", "WIDTH 1", "HEIGHT 1",
+          "POINTS 1", "VIEWPOINT 0 0 0 1 0 0 0\nVIEWPOINT 5 0 0 1 0 0 0"})
+        expectPart(withLine(line), "a second line " + line.substr(0, line.find(' ')));
+    const auto fourFields = [&](const std::string& fourth) {
+        auto text = textPcd("7 1");
+        for (const auto& [from, to] : {std::pair<std::string, std::string>("x y z", "? x y z"),
+                                       {"8 8 8", "8 8 8 8"},
+                                       {"F F F", "F F F F"},
+                                       {"1 1 1", "1 1 1 1"}})
+            text.replace(text.find(from), from.size(), to);
+        text.replace(text.find('?'), 1, fourth);
+        return errorOf(folder.write("a.pcd", text), fixed);
+    };
+    EXPECT_EQ(fourFields("_"), "no exception");
+    for (const std::string name : {"x", "y", "z"})
+        expectPart(fourFields(name), "a second field '" + name + "'");
+    auto ply = binaryPly("float", 1);
+    ply.insert(ply.find("element"), "format ascii 1.0\n");
+    expectPart(errorOf(folder.write("a.ply", ply), fixed), "a second line format");
 }
 
 TEST(Formats, kittiFoldersGiveTheMapOfTheRawlog) {

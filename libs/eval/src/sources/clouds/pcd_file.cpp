@@ -2,8 +2,10 @@
 #include <mrpt/math/CQuaternion.h>
 #include <superray/eval/input_error.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -96,6 +98,7 @@ class PcdReader {
 
     void readHeader() {
         std::vector<std::string> names, sizes, types, counts;
+        std::set<std::string> keys;
         std::uint64_t width = 0, height = 1;
         bool hasPoints = false;
         while (header_.data.empty()) {
@@ -104,6 +107,7 @@ class PcdReader {
             const std::vector<std::string> rest(words.begin() + 1, words.end());
             const std::string& key = words[0];
             if (rest.empty()) fail(key + " has no value");
+            if (!keys.insert(key).second) fail("its header has a second line " + key);
             if (key == "FIELDS") names = rest;
             if (key == "SIZE") sizes = rest;
             if (key == "TYPE") types = rest;
@@ -127,7 +131,11 @@ class PcdReader {
             fail("FIELDS, SIZE, TYPE and COUNT must have as many entries");
         for (std::size_t i = 0; i < names.size(); ++i)
             addField(names[i], sizes[i], types[i], counts[i]);
-        for (const char* axis : {"x", "y", "z"}) fieldOf(axis);
+        for (const char* axis : {"x", "y", "z"}) {
+            if (std::count(names.begin(), names.end(), axis) > 1)
+                fail(std::string("it has a second field '") + axis + "'");
+            fieldOf(axis);
+        }
     }
 
     void readViewpoint(const std::vector<std::string>& words) {

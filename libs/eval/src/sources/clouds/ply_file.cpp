@@ -102,6 +102,8 @@ class PlyReader {
             std::string key;
             line >> key;
             if (key == "end_header") break;
+            if (key == "format" && !format_.empty())
+                fail("its header has a second line format");
             if (key == "format") line >> format_;
             if (key == "element") {
                 Element element;
