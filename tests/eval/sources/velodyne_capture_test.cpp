@@ -152,6 +152,21 @@ TEST_F(VelodyneCapture, damageIsSeen) {
     expectPart(errorOf(changed(3, 10, '\x20')), "is damaged: ");
 }
 
+TEST_F(VelodyneCapture, modelsThatChangeAndTimesThatGoBackAreRefused) {
+    const std::size_t modelByte = 1205;
+    expectPart(errorOf(changedPayload(7, modelByte, '\x21')),
+               "packet 8 of a Velodyne is of another model");
+    std::string reversed = plain().substr(0, kFileHeader);
+    for (std::size_t packet = 12; packet-- > 0;)
+        reversed += plain().substr(kFileHeader + packet * kRecord, kRecord);
+    expectPart(errorOf(reversed), "packet 2 of a Velodyne is earlier than the one before it");
+    expectPart(errorOf(reversed), "reordercap");
+    // Packets of one time are none.
+    std::string same = plain();
+    same.replace(kFileHeader + kRecord, 8, same.substr(kFileHeader, 8));
+    EXPECT_EQ(built(same).digest, built(plain()).digest);
+}
+
 TEST_F(VelodyneCapture, wrongChecksumsOfAllPacketsAreLeftToTheAdapter) {
     std::string offloaded = plain();
     for (std::size_t packet = 0; packet < 12; ++packet)

@@ -75,11 +75,18 @@ struct Revolutions {
     std::vector<Datagram> starts;      ///< first packet of each, without its payload
     std::vector<std::uint32_t> sizes;  ///< packets of each
     std::uint64_t rightChecksums = 0, firstWrongChecksum = 0;
+    std::uint64_t firstEarlier = 0;  ///< than the packet before it
+    std::uint64_t firstOfOtherModel = 0;
+    char model = 0;  ///< of the first packet
     mrpt::Clock::time_point lastTime;
     std::uint16_t lastAzimuth = 0;
 
     void add(const Datagram& datagram) {
         const std::uint16_t azimuth = azimuthOf(datagram.payload);
+        if (starts.empty()) model = datagram.payload[kModelByte];
+        if (model != datagram.payload[kModelByte] && firstOfOtherModel == 0)
+            firstOfOtherModel = datagram.packet;
+        if (datagram.time < lastTime && firstEarlier == 0) firstEarlier = datagram.packet;
         if (startsRevolution(datagram.time, azimuth)) {
             starts.push_back(datagram);
             starts.back().payload = {};
@@ -207,6 +214,12 @@ class Capture {
         const Revolutions& chosen = sensors_.at(sender_);
         if (chosen.rightChecksums > 0 && chosen.firstWrongChecksum > 0)
             fail(chosen.firstWrongChecksum, "is damaged: its UDP checksum is wrong");
+        if (chosen.firstOfOtherModel > 0)
+            fail(chosen.firstOfOtherModel, "is of another model than the packets before it");
+        if (chosen.firstEarlier > 0)
+            fail(chosen.firstEarlier,
+                 "is earlier than the one before it: its revolutions are not in order. "
+                 "'reordercap IN OUT' (package wireshark-common) sorts packets by time");
     }
 
     static mrpt::obs::CObservation::Ptr readScan(PcapFile& file, const Datagram& start,
