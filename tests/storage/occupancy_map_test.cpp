@@ -370,6 +370,28 @@ TYPED_TEST(OccupancyMapContract, SummaryEqualsBruteForce) {
     EXPECT_GT(s.free, 100u);
 }
 
+TYPED_TEST(OccupancyMapContract, SummaryCountsWholeBlocks) {
+    constexpr int Dim = TypeParam::Dim;
+    std::vector<float> values(kBlockCells<Dim>, -1.0f);
+    BlockMask<Dim> all;
+    for (auto& word : all.words) word = ~std::uint64_t{0};
+    BlockKey<Dim> key{};
+    key.fill(-2);
+    this->map.setBlock({key, values.data(), all});
+    for (int i = 0; i < kBlockCells<Dim>; i += 3) values[static_cast<std::size_t>(i)] = 1;
+    const auto occupied = static_cast<std::uint64_t>((kBlockCells<Dim> + 2) / 3);
+    key.fill(1);
+    this->map.setBlock({key, values.data(), all});
+    const auto s = summarize(this->map, this->model);
+    EXPECT_EQ(s.known, 2u * kBlockCells<Dim>);
+    EXPECT_EQ(s.occupied, occupied);
+    EXPECT_EQ(s.free, s.known - occupied);
+    for (int a = 0; a < Dim; ++a) {
+        EXPECT_EQ(s.lowest[a], -2 * kBlockEdge);
+        EXPECT_EQ(s.highest[a], 2 * kBlockEdge - 1);
+    }
+}
+
 TYPED_TEST(OccupancyMapContract, MemoryGrowsWithContents) {
     const std::size_t before = this->map.memoryBytes();
     this->applyRandomScans(10);

@@ -3,24 +3,48 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 namespace superray {
 
+namespace {
+
+template <int Dim>
+void include(const Cell<Dim>& c, MapSummary<Dim>& s) {
+    for (int a = 0; a < Dim; ++a) {
+        s.lowest[a] = std::min(s.lowest[a], c[a]);
+        s.highest[a] = std::max(s.highest[a], c[a]);
+    }
+}
+
+}  // namespace
+
 template <int Dim>
 MapSummary<Dim> summarize(const OccupancyMap<Dim>& map, const SensorModel& model) {
+    constexpr int kCells = kBlockCells<Dim>;
     MapSummary<Dim> s;
+    s.lowest.fill(std::numeric_limits<std::int32_t>::max());
+    s.highest.fill(std::numeric_limits<std::int32_t>::min());
+    const float occupied = model.occupied();
     map.forEachBlock([&](const BlockView<Dim>& block) {
-        for (int i = 0; i < kBlockCells<Dim>; ++i) {
+        const auto isOccupied = [&](float value) { return value >= occupied; };
+        if (block.known.all()) {  // most of a large map, and all of its uniform blocks
+            const auto n = std::count_if(block.values, block.values + kCells, isOccupied);
+            s.known += kCells;
+            s.occupied += static_cast<std::uint64_t>(n);
+            include(cellInBlock<Dim>(block.key, 0), s);
+            include(cellInBlock<Dim>(block.key, kCells - 1), s);
+            return;
+        }
+        for (int i = 0; i < kCells; ++i) {
             if (!block.known.test(i)) continue;
-            const Cell<Dim> c = cellInBlock<Dim>(block.key, i);
-            if (s.known++ == 0) s.lowest = s.highest = c;
-            for (int a = 0; a < Dim; ++a) {
-                s.lowest[a] = std::min(s.lowest[a], c[a]);
-                s.highest[a] = std::max(s.highest[a], c[a]);
-            }
-            ++(block.values[i] >= model.occupied() ? s.occupied : s.free);
+            ++s.known;
+            s.occupied += isOccupied(block.values[i]);
+            include(cellInBlock<Dim>(block.key, i), s);
         }
     });
+    s.free = s.known - s.occupied;
+    if (s.known == 0) s.lowest = s.highest = {};
     return s;
 }
 

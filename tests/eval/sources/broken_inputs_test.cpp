@@ -159,6 +159,14 @@ TEST(BrokenInputs, AFewBytesDoNotBecomeAHugeMap) {
     const auto path = folder.write("a.ot", bytes);
     const auto error = messageOf<InputError>([&] { readOctomapFile(path); });
     EXPECT_NE(error.find("stand for more than"), std::string::npos) << error;
+    // The file is whole, and there is a way out.
+    EXPECT_EQ(error.find("is not a whole"), std::string::npos) << error;
+    EXPECT_NE(error.find("SUPERRAY_MAP_MEGABYTES"), std::string::npos) << error;
+    ASSERT_EQ(::setenv("SUPERRAY_MAP_MEGABYTES", "700", 1), 0);
+    EXPECT_EQ(readOctomapFile(path).map->geometry().resolution(), 0.1);
+    ASSERT_EQ(::setenv("SUPERRAY_MAP_MEGABYTES", "600", 1), 0);
+    EXPECT_THROW(readOctomapFile(path), InputError);
+    ASSERT_EQ(::unsetenv("SUPERRAY_MAP_MEGABYTES"), 0);
     OctomapLimits limits;
     limits.cellsOfAnyFile = std::uint64_t{1} << 27;
     EXPECT_EQ(readOctomapFile(path, limits).map->geometry().resolution(), 0.1);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/maps/octomap_input.h>
 #include <superray/storage/block_grid.h>
+#include <superray/storage/map_file.h>
 
 #include <algorithm>
 #include <array>
@@ -15,6 +16,8 @@ namespace superray {
 namespace {
 
 constexpr int kTreeDepth = 16;
+/// In a dense map: a value, and whether it is known [bytes].
+constexpr std::uint64_t kBytesOfCell = 5;
 
 struct Header {
     CellValues values = CellValues::logOdds;
@@ -55,6 +58,16 @@ class Bytes {
 
     [[noreturn]] void fail(const std::string& why) const {
         throw MapFileError(path_ + ": is not a whole OctoMap OcTree file: " + why);
+    }
+
+    /// It may be whole: nothing is said of that.
+    [[noreturn]] void failAsTooLarge(std::uint64_t mostCells, std::uint64_t ofAll) const {
+        throw MapFileError(path_ + ": its pruned nodes stand for more than " +
+                           std::to_string(mostCells) +
+                           " cells, the most that are read of a file of " +
+                           std::to_string(size()) + " bytes; SUPERRAY_MAP_MEGABYTES=N allows " +
+                           std::to_string((1u << 20) / kBytesOfCell) +
+                           " cells per N, at most " + std::to_string(ofAll));
     }
 
     template <class T>
@@ -115,8 +128,10 @@ class LeafReader {
     LeafReader(Bytes& bytes, bool hasColours, const OctomapLimits& limits)
         : bytes_(bytes),
           hasColours_(hasColours),
-          mostCells_(std::min(limits.cells,
-                              limits.cellsOfAnyFile + limits.cellsPerByte * bytes.size())) {}
+          limits_(limits),
+          mostCells_(std::min(
+              limits.cells, std::max(limits.cellsOfAnyFile + limits.cellsPerByte * bytes.size(),
+                                     mapBytesOfEnvironment().value_or(0) / kBytesOfCell))) {}
 
     /// .ot: float32 log-odds, three bytes of colour in a ColorOcTree, a bit per child.
     void readNode(const Cell<3>& lowest, int depth) {
@@ -171,15 +186,13 @@ class LeafReader {
         if (!std::isfinite(value)) bytes_.fail("a cell's log-odds is not finite");
         const auto edge = static_cast<std::uint64_t>(edgeAt(depth));
         cells_ += edge * edge * edge;
-        if (cells_ > mostCells_)
-            bytes_.fail("its pruned nodes stand for more than " + std::to_string(mostCells_) +
-                        " cells, the most that are read of a file of " +
-                        std::to_string(bytes_.size()) + " bytes");
+        if (cells_ > mostCells_) bytes_.failAsTooLarge(mostCells_, limits_.cells);
         leaves_.push_back({lowest, edgeAt(depth), value});
     }
 
     Bytes& bytes_;
     bool hasColours_;
+    OctomapLimits limits_;
     std::uint64_t mostCells_;
     std::uint64_t nodes_ = 0, cells_ = 0;
     std::vector<Leaf> leaves_;

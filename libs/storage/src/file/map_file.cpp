@@ -187,17 +187,22 @@ void saveMapFile(const std::string& path, const MapFileHeader& header,
     writeFileAtomically(path, {reinterpret_cast<const char*>(file.data()), file.size()});
 }
 
-MapFileLimits MapFileLimits::ofThisMachine() {
+std::optional<std::uint64_t> mapBytesOfEnvironment() {
     constexpr std::uint64_t kMebi = std::uint64_t{1} << 20;
-    std::uint64_t bytes = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
-                          static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
-    if (const char* text = std::getenv("SUPERRAY_MAP_MEGABYTES")) {
-        std::uint64_t mebibytes = 0;
-        const char* end = text + std::strlen(text);
-        const auto parsed = std::from_chars(text, end, mebibytes);
-        if (parsed.ec == std::errc() && parsed.ptr == end && mebibytes < (kMebi << 20))
-            bytes = mebibytes * kMebi;
-    }
+    const char* text = std::getenv("SUPERRAY_MAP_MEGABYTES");
+    if (text == nullptr) return std::nullopt;
+    std::uint64_t mebibytes = 0;
+    const char* end = text + std::strlen(text);
+    const auto parsed = std::from_chars(text, end, mebibytes);
+    if (parsed.ec != std::errc() || parsed.ptr != end || mebibytes >= (kMebi << 20))
+        return std::nullopt;
+    return mebibytes * kMebi;
+}
+
+MapFileLimits MapFileLimits::ofThisMachine() {
+    const std::uint64_t half = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+                               static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
+    const std::uint64_t bytes = mapBytesOfEnvironment().value_or(half);
     return {bytes, bytes};
 }
 

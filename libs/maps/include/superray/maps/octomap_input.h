@@ -26,7 +26,8 @@ struct OctomapFile {
 };
 
 /// What a file may ask for. A few bytes can stand for 2^48 cells: of a file that its
-/// size does not account for, cells are refused before they are made.
+/// size does not account for, cells are refused before they are made. With
+/// SUPERRAY_MAP_MEGABYTES, as many as have room in that are read of any file, up to `cells`.
 struct OctomapLimits {
     std::uint64_t fileBytes = std::uint64_t{4} << 30;
     std::uint64_t cells = 1'000'000'000;

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,9 @@ struct MapFileLimits {
     /// SUPERRAY_MAP_MEGABYTES is a whole number, so many MiB.
     static MapFileLimits ofThisMachine();
 };
+
+/// SUPERRAY_MAP_MEGABYTES [bytes], if that is a whole number.
+std::optional<std::uint64_t> mapBytesOfEnvironment();
 
 /// Everything but the cells.
 struct MapFileHeader {
