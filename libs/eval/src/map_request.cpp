@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mrpt/config/CConfigFileMemory.h>
 #include <superray/eval/config_text.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_request.h>
 #include <superray/maps/map_factory.h>
+#include <superray/maps/option_text.h>
 #include <superray/maps/super_ray_map_interface.h>
 
 #include <algorithm>
@@ -21,13 +21,6 @@ SuperRayMapInterface& interfaceOf(mrpt::maps::CMetricMap& map) {
     return dynamic_cast<SuperRayMapInterface&>(map);
 }
 
-/// Reads the file ourselves: MRPT takes one that is not there for an empty one.
-mrpt::config::CConfigFileMemory readConfig(const std::string& path) {
-    mrpt::config::CConfigFileMemory config;
-    config.setContent(readConfigText(path));
-    return config;
-}
-
 bool startsWith(const std::string& text, const std::string& start) {
     return text.compare(0, start.size(), start) == 0;
 }
@@ -36,7 +29,11 @@ mrpt::maps::CMetricMap::Ptr fromConfig(const MapRequest& request) {
     if (request.section.empty())
         throw InputError(request.configFile +
                          ": which section of the configuration file? (--section S)");
-    const auto config = readConfig(request.configFile);
+    const auto config = readConfigFile(request.configFile, [&](const std::string& section) {
+        const std::string ours = section.substr(0, request.section.size());
+        return equalIgnoringCase(ours, request.section) &&
+               (section.size() == ours.size() || section[ours.size()] == '_');
+    });
     std::vector<std::string> sections;
     config.getAllSections(sections);
     const bool named = std::any_of(sections.begin(), sections.end(), [&](const auto& s) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/config/CConfigFileMemory.h>
 #include <superray/eval/config_text.h>
+#include <superray/eval/input_error.h>
 #include <superray/maps/option_text.h>
 #include <superray/slam/slam_options.h>
 
@@ -54,7 +55,7 @@ std::string priorName(MotionPrior prior) {
 MotionPrior priorFrom(const std::string& text) {
     for (auto p : {MotionPrior::constantVelocity, MotionPrior::odometry, MotionPrior::none})
         if (equalIgnoringCase(text, priorName(p))) return p;
-    throw std::invalid_argument("prior = " + text +
+    throw std::invalid_argument("prior = " + shortened(text) +
                                 ": must be one of constantVelocity, odometry, none");
 }
 
@@ -133,7 +134,7 @@ void TRegistrationOptions::validate() const {
 
 std::vector<double> TRegistrationOptions::levels() const {
     const auto fail = [&] {
-        throw std::invalid_argument("resolutions = " + resolutions +
+        throw std::invalid_argument("resolutions = " + shortened(resolutions) +
                                     ": must be numbers > 0, each smaller than the one before, "
                                     "separated by commas");
     };
@@ -201,8 +202,9 @@ TSlamOptions::TSlamOptions() {
 }
 
 void TSlamOptions::loadFromFile(const std::string& path) {
-    mrpt::config::CConfigFileMemory config;
-    config.setContent(readConfigText(path));
+    const auto config = readConfigFile(path, [](const std::string& section) {
+        return section == "registration" || section == "keyframes" || section == "icp";
+    });
     TSlamOptions updated = *this;
     bool any = false;
     try {
@@ -221,7 +223,7 @@ void TSlamOptions::loadFromFile(const std::string& path) {
         }
         updated.validate();
     } catch (const std::exception& e) {
-        throw std::invalid_argument(path + ": " + e.what());
+        throw std::invalid_argument(path + ": " + oneLineCause(e));
     }
     if (!any)
         throw std::invalid_argument(

@@ -51,8 +51,8 @@ void refuseUnknownNames(const mrpt::config::CConfigFileBase& source,
                         [&](const std::string& k) { return equalIgnoringCase(k, name); }))
             continue;
         std::ostringstream message;
-        message << "[" << section << "] " << name << kCount << ": unknown map; did you mean "
-                << closestTo(name, known) << kCount << "?";
+        message << "[" << section << "] " << shortened(name) << kCount
+                << ": unknown map; did you mean " << closestTo(name, known) << kCount << "?";
         throw std::invalid_argument(message.str());
     }
 }
@@ -82,7 +82,8 @@ MapPtr createMap(const std::string& className) {
             return c.make();
         valid += (valid.empty() ? "" : ", ") + std::string(c.name);
     }
-    throw std::invalid_argument("map class \"" + className + "\": must be one of " + valid);
+    throw std::invalid_argument("map class \"" + shortened(className) + "\": must be one of " +
+                                valid);
 }
 
 std::vector<std::string> countedMapNames(const mrpt::config::CConfigFileBase& source,

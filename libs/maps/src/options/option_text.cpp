@@ -31,15 +31,6 @@ std::string trimmed(const std::string& s) {
     return first < last ? std::string(first, last) : std::string();
 }
 
-/// Cuts "value  # comment", also with "//" and ";", after a blank.
-std::string withoutComment(const std::string& s) {
-    for (std::size_t i = 0; i < s.size(); ++i) {
-        if (i > 0 && !isBlank(s[i - 1])) continue;
-        if (s[i] == '#' || s[i] == ';' || s.compare(i, 2, "//") == 0) return s.substr(0, i);
-    }
-    return s;
-}
-
 /// Levenshtein distance.
 std::size_t editDistance(const std::string& a, const std::string& b) {
     std::vector<std::size_t> row(b.size() + 1);
@@ -83,7 +74,7 @@ std::string formatValue(std::uint32_t value) {
 std::string formatValue(const std::string& value) {
     if (std::any_of(value.begin(), value.end(),
                     [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); }))
-        throw std::invalid_argument("\"" + value +
+        throw std::invalid_argument("\"" + shortened(value) +
                                     "\": a text option must have no control character");
     return value;
 }
@@ -166,6 +157,26 @@ std::string closestTo(const std::string& word, const std::vector<std::string>& c
     return best;
 }
 
+std::string withoutComment(const std::string& text) {
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (i > 0 && !isBlank(text[i - 1])) continue;
+        if (text[i] == '#' || text[i] == ';' || text.compare(i, 2, "//") == 0)
+            return text.substr(0, i);
+    }
+    return text;
+}
+
+std::string shortened(const std::string& text) {
+    constexpr std::size_t kMost = 100;
+    if (text.size() <= kMost) return text;
+    std::size_t length = kMost;
+    const auto continuesUtf8 = [](char c) {
+        return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
+    };
+    while (length > kMost - 4 && continuesUtf8(text[length])) --length;
+    return text.substr(0, length) + "... (" + std::to_string(text.size()) + " characters)";
+}
+
 bool equalIgnoringCase(const std::string& a, const std::string& b) {
     return a.size() == b.size() &&
            std::equal(a.begin(), a.end(), b.begin(),
@@ -202,15 +213,15 @@ bool StrictSection::has(const std::string& key) const {
 void StrictSection::rejectUnknownKeys() const {
     for (const Entry& e : entries_) {
         if (e.used) continue;
-        throw std::invalid_argument("[" + name_ + "] " + e.key + " = " + e.value +
-                                    ": unknown key; did you mean " +
+        throw std::invalid_argument("[" + name_ + "] " + shortened(e.key) + " = " +
+                                    shortened(e.value) + ": unknown key; did you mean " +
                                     closestTo(e.key, knownKeys_) + "?");
     }
 }
 
 void StrictSection::failBadValue(const Entry& entry, const std::string& rule) const {
-    throw std::invalid_argument("[" + name_ + "] " + entry.key + " = " + entry.value + ": " +
-                                rule);
+    throw std::invalid_argument("[" + name_ + "] " + entry.key + " = " +
+                                shortened(entry.value) + ": " + rule);
 }
 
 }  // namespace superray

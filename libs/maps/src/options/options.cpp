@@ -96,7 +96,7 @@ void TCreationOptions::validate() const {
             "reserve_megabytes", reserve_megabytes,
             "reserve_megabytes <= max_memory_megabytes");
     if (!lazy_load_path.empty() && !std::filesystem::is_directory(lazy_load_path))
-        throw std::invalid_argument("lazy_load_path = " + lazy_load_path +
+        throw std::invalid_argument("lazy_load_path = " + shortened(lazy_load_path) +
                                     ": must be a folder that exists");
 }
 
@@ -255,17 +255,18 @@ void TMapOptions::fromText(const std::string& text) {
             const std::string name = line.substr(1, line.size() - 2);
             for (const auto& section : sections)
                 if (section.first == name)
-                    throw std::invalid_argument("options: second section [" + name + "]");
+                    throw std::invalid_argument("options: second section [" + shortened(name) +
+                                                "]");
             sections.push_back({name, {}});
         } else if (!sections.empty() && equals != std::string::npos) {
             const std::string key = line.substr(0, equals);
             for (const auto& entry : sections.back().second)
                 if (entry.key == key)
-                    throw std::invalid_argument("options: second key " + key + " in [" +
-                                                sections.back().first + "]");
+                    throw std::invalid_argument("options: second key " + shortened(key) +
+                                                " in [" + sections.back().first + "]");
             sections.back().second.push_back({key, line.substr(equals + 3), false});
         } else {
-            throw std::invalid_argument("options: unexpected line \"" + line + "\"");
+            throw std::invalid_argument("options: unexpected line \"" + shortened(line) + "\"");
         }
     }
     TMapOptions updated = *this;
@@ -277,7 +278,8 @@ void TMapOptions::fromText(const std::string& text) {
                            known = true;
                            readSection(StrictSection(n, std::move(list)), n, options);
                        });
-        if (!known) throw std::invalid_argument("options: unknown section [" + name + "]");
+        if (!known)
+            throw std::invalid_argument("options: unknown section [" + shortened(name) + "]");
     }
     *this = updated;
 }

@@ -37,6 +37,12 @@ std::vector<std::string> splitList(const std::string& text);
 /// The candidate with the fewest edits from `word`, ignoring case.
 std::string closestTo(const std::string& word, const std::vector<std::string>& candidates);
 
+/// What stands before a comment ("value  # comment", also with "//" and ";", after a blank).
+std::string withoutComment(const std::string& text);
+
+/// A text as errors show it: cut if it is long.
+std::string shortened(const std::string& text);
+
 bool equalIgnoringCase(const std::string& a, const std::string& b);
 
 /// A section of key = value lines whose every key must be known.
