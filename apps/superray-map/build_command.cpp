@@ -47,8 +47,13 @@ ScanSources markAll(const Arguments& arguments, const std::string& sensorLabels)
     options.poses = poseOrigin(arguments.poses, options);
     if (arguments.acceptTruncated) options.truncation = Truncation::accept;
     ScanSources sources;
-    for (const auto& input : arguments.inputs)
+    std::vector<std::string> labels;
+    for (const auto& input : arguments.inputs) {
         sources.push_back(openScanSource(input, options));
+        const auto more = sources.back()->sensorLabels();
+        labels.insert(labels.end(), more.begin(), more.end());
+    }
+    checkSensorLabels(sensorLabels, labels);
     return sources;
 }
 
@@ -93,7 +98,7 @@ Command declareBuild(CLI::App& app) {
     app.add_option("INPUT", a.inputs, "Recorded scans")->required()->type_name("FILE");
     app.add_option("-o,--output", a.output, "Map to write (.srmap)")
         ->required()
-        ->type_name("FILE");
+        ->type_name("OUTPUT");
     app.add_option("--map", a.map.className,
                    "CSuperRayGridMap3D (default), CSuperRayOctoMap, CSuperRayGridMap2D or "
                    "CSuperRayQuadMap")

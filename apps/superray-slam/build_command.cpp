@@ -127,6 +127,7 @@ int build(const Arguments& arguments) {
     if (arguments.acceptTruncated) sourceOptions.truncation = Truncation::accept;
     RangeSlam slam(options, makeSlamMap(arguments), startPose(arguments.start));
     const auto source = openScanSource(arguments.input, sourceOptions);
+    checkSensorLabels(sourceOptions.sensorLabel, source->sensorLabels());
     std::unique_ptr<LiveView> view;
     if (arguments.view) view = std::make_unique<LiveView>();
 
@@ -164,7 +165,7 @@ Command declareBuild(CLI::App& app) {
     app.add_option("-o,--output", a.outputs,
                    "Files to write: .tum, .srmap, .simplemap, .3Dscene")
         ->required()
-        ->type_name("FILE");
+        ->type_name("OUTPUT");
     app.add_option("--config", a.config,
                    "Options from an .ini file: [registration], [keyframes], [icp]")
         ->type_name("FILE");
@@ -190,7 +191,7 @@ Command declareBuild(CLI::App& app) {
     app.add_flag("--view", a.view, "Show map and trajectory in a window");
     const std::string group = "Registration (override the configuration file)";
     app.add_option("--levels", a.resolutions, "Cells of the reference maps, e.g. '1.0, 0.5'")
-        ->type_name("METRES")
+        ->type_name("METRES,...")
         ->group(group);
     app.add_option("--point-spacing", a.pointSpacing, "One point per cube of this edge")
         ->type_name("METRES")

@@ -119,6 +119,7 @@ void surveyScans(const std::string& path, const ScanSourceOptions& asked, Record
 void tryBuild(const std::string& path, const ScanSourceOptions& options, RecordingInfo& info) {
     try {
         const auto source = openScanSource(path, options);
+        checkSensorLabels(options.sensorLabel, source->sensorLabels());
         info.scans = source->total();
         info.poses = source->poses().asText();
         while (source->next()) {

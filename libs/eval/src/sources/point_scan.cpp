@@ -45,8 +45,7 @@ PointScans loadPointScans(const PointScanRequest& request, const LoadProgress& p
         if (progress) progress(done, total);
     };
     if (SimulatedWorld::isName(request.data)) {
-        if (request.source.maxScans == 0)
-            throw InputError("the number of scans must be at least 1");
+        if (request.source.maxScans == 0) throw InputError("scans = 0: must be at least 1");
         all.name = request.data;
         const SimulatedWorld world(request.data, request.worldSeed);
         const auto total = std::min<std::uint64_t>(world.scanCount(), request.source.maxScans);
@@ -58,6 +57,7 @@ PointScans loadPointScans(const PointScanRequest& request, const LoadProgress& p
         return all;
     }
     const auto source = openScanSource(request.data, request.source);
+    checkSensorLabels(request.source.sensorLabel, source->sensorLabels());
     std::uint64_t done = 0;
     while (const auto scan = source->next()) {
         add(all, toPointScan(*scan));

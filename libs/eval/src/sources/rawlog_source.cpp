@@ -68,6 +68,11 @@ class SensorNumbers {
 class LabelCounts {
  public:
     void see(const std::string& label) { ++counts_[label]; }
+    std::vector<std::string> labels() const {
+        std::vector<std::string> all;
+        for (const auto& entry : counts_) all.push_back(entry.first);
+        return all;
+    }
     /// E.g. "'FRONT' (20), 'REAR' (20)".
     std::string list() const {
         std::string text;
@@ -110,6 +115,7 @@ class RawlogSource final : public ScanSource {
     std::string warning() const override { return index_.warning; }
     const PoseTrack* trajectory() const override { return poses_->track(); }
     PoseSummary poses() const override { return poses_->summary(); }
+    std::vector<std::string> sensorLabels() const override { return labels_.labels(); }
 
     std::optional<Scan> next() override {
         while (ready_.empty() && reader_->objects() < index_.objects) take(reader_->next());

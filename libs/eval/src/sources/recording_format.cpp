@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 
 #include "sources/file_bytes.h"
 #include "sources/folders/frame_source.h"
@@ -158,6 +159,19 @@ std::string adviceFor(const std::string& path, bool isFolder) {
     return isText ? "a text file" : "a file of an unknown kind";
 }
 
+void checkDepthCamera(const DepthCamera& camera) {
+    const auto require = [](bool rule, const char* name, double value, const char* text) {
+        if (!rule) throw InputError(std::string(name) + " = " + formatValue(value) + text);
+    };
+    const auto isLength = [](double v) { return std::isfinite(v) && v > 0; };
+    const char* const kLength = ": must be finite and > 0";
+    require(isLength(camera.fx), "--intrinsics fx", camera.fx, kLength);
+    require(isLength(camera.fy), "--intrinsics fy", camera.fy, kLength);
+    require(isLength(camera.cx), "--intrinsics cx", camera.cx, kLength);
+    require(isLength(camera.cy), "--intrinsics cy", camera.cy, kLength);
+    require(isLength(camera.unitsPerMetre), "--depth-units", camera.unitsPerMetre, kLength);
+}
+
 const Format& formatOf(const std::string& path) {
     std::error_code error;
     if (!fs::exists(path, error)) throw InputError(path + ": no such file or folder");
@@ -185,9 +199,11 @@ std::string recordingFormat(const std::string& path) {
 
 std::unique_ptr<ScanSource> openScanSource(const std::string& path,
                                            const ScanSourceOptions& options) {
-    if (options.maxScans == 0) throw InputError("the number of scans must be at least 1");
+    if (options.maxScans == 0) throw InputError("scans = 0: must be at least 1");
     if (!(options.maxPoseGap >= 0))
-        throw InputError("the longest gap between poses must be at least 0 s");
+        throw InputError("the longest gap between poses is " + formatValue(options.maxPoseGap) +
+                         " s: must be at least 0 s");
+    checkDepthCamera(options.depthCamera);
     const Format& format = formatOf(path);
     const bool hasLabels =
         std::string(format.name) == kRawlogFormat || isRosFormat(format.name);

@@ -169,6 +169,7 @@ class ScanGraphSource final : public ScanSource {
         total_ = std::min<std::uint64_t>(whole, options.maxScans);
     }
 
+    std::vector<std::string> sensorLabels() const override { return {kLabel}; }
     std::uint64_t total() const override { return total_; }
     SkippedObservations skipped() const override { return {}; }
     std::string warning() const override { return warning_; }

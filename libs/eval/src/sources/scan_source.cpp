@@ -5,10 +5,13 @@
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <superray/eval/input_error.h>
+#include <superray/maps/option_text.h>
 #include <superray/maps/options.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <set>
 
 #include "sources/object_reader.h"
 #include "sources/scan_source_formats.h"
@@ -44,6 +47,17 @@ bool hasWantedLabel(const mrpt::obs::CObservation& observation,
     if (acceptsLabel(options, observation.sensorLabel)) return true;
     ++skipped.otherLabel;
     return false;
+}
+
+void checkSensorLabels(const std::string& asked, const std::vector<std::string>& labels) {
+    for (const std::string& label : splitList(asked)) {
+        if (std::find(labels.begin(), labels.end(), label) != labels.end()) continue;
+        std::string known;
+        for (const std::string& k : std::set<std::string>(labels.begin(), labels.end()))
+            known += (known.empty() ? "'" : ", '") + k + "'";
+        throw InputError("sensor label '" + shortened(label) +
+                         "': no scan has it; the labels are " + known);
+    }
 }
 
 PoseLookup::PoseLookup(const ScanSourceOptions& options)

@@ -52,6 +52,7 @@ class SimpleMapSource final : public ScanSource {
     SimpleMapSource(const std::string& path, const ScanSourceOptions& options)
         : poses_(options) {
         const auto map = readGuarded(path);
+        findLabels(map);
         std::vector<Trajectory::Time> times;
         for (std::size_t i = 0; i < map.size() && scans_.size() < options.maxScans; ++i) {
             const auto [posePdf, frame] = keyFrameParts(map, i);
@@ -81,6 +82,7 @@ class SimpleMapSource final : public ScanSource {
     SkippedObservations skipped() const override { return skipped_; }
     const PoseTrack* trajectory() const override { return poses_.fromFile(); }
     PoseSummary poses() const override { return summary_; }
+    std::vector<std::string> sensorLabels() const override { return labels_; }
 
     std::optional<Scan> next() override {
         if (next_ == scans_.size()) return std::nullopt;
@@ -88,8 +90,20 @@ class SimpleMapSource final : public ScanSource {
     }
 
  private:
+    /// Of all key frames, also of those beyond the last that is asked for.
+    void findLabels(const mrpt::maps::CSimpleMap& map) {
+        for (std::size_t i = 0; i < map.size(); ++i) {
+            const auto frame = keyFrameParts(map, i).observations;
+            if (!frame) continue;
+            for (const auto& observation : *frame)
+                if (isRangeObservation(*observation))
+                    labels_.push_back(observation->sensorLabel);
+        }
+    }
+
     PoseLookup poses_;
     PoseSummary summary_;
+    std::vector<std::string> labels_;
     std::vector<Scan> scans_;
     std::size_t next_ = 0;
     SkippedObservations skipped_;

@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace superray {
 
@@ -101,6 +102,9 @@ class ScanSource {
     /// A break in the input that Truncation::accept let pass; else empty.
     virtual std::string warning() const { return {}; }
 
+    /// Labels of its sensors of ranges, also of those that are not delivered.
+    virtual std::vector<std::string> sensorLabels() const { return {}; }
+
     /// Set by openScanSource().
     void setMaxPoseGap(double seconds) { maxPoseGap_ = seconds; }
 
@@ -150,5 +154,11 @@ class ScanSource {
 ///         has a pose
 std::unique_ptr<ScanSource> openScanSource(const std::string& path,
                                            const ScanSourceOptions& options = {});
+
+/// Refuses labels of sensors that no source has, where others that are asked for are found.
+/// \param asked comma-separated
+/// \param labels of all sources, see ScanSource::sensorLabels()
+/// \throws InputError naming the label and those that there are
+void checkSensorLabels(const std::string& asked, const std::vector<std::string>& labels);
 
 }  // namespace superray

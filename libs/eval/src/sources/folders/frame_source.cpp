@@ -47,6 +47,11 @@ class FrameSource final : public ScanSource {
     SkippedObservations skipped() const override { return skipped_; }
     PoseSummary poses() const override { return summary_; }
     std::string warning() const override { return recording_.warning; }
+    std::vector<std::string> sensorLabels() const override {
+        auto labels = recording_.otherLabels;
+        labels.push_back(recording_.label);
+        return labels;
+    }
     const PoseTrack* trajectory() const override { return track_.empty() ? nullptr : &track_; }
 
     std::optional<Scan> next() override {

@@ -27,9 +27,10 @@ struct Frame {
 /// The frames of a recording, and how to read them.
 struct FrameRecording {
     std::string path, label;
-    std::vector<Frame> frames;  ///< in the order of the recording, not empty
-    PoseSummary ownPoses;       ///< of T_map_robot, without times
-    std::string warning;        ///< see ScanSource::warning()
+    std::vector<std::string> otherLabels;  ///< of sensors that are left out
+    std::vector<Frame> frames;             ///< in the order of the recording, not empty
+    PoseSummary ownPoses;                  ///< of T_map_robot, without times
+    std::string warning;                   ///< see ScanSource::warning()
     /// Reads the points or the image of a frame; the rest is filled in. \throws InputError
     std::function<mrpt::obs::CObservation::Ptr(const Frame&)> read;
     bool guarded = false;  ///< read() lets another library decode: see ReadGuard

@@ -137,6 +137,12 @@ std::string RosContents::scanTopics() const {
     return text;
 }
 
+std::vector<std::string> RosContents::scanTopicNames() const {
+    std::vector<std::string> names;
+    for (const auto& entry : scanTopics_) names.push_back(entry.first);
+    return names;
+}
+
 std::vector<RosTopicCount> RosContents::unusedTopics() const {
     std::vector<RosTopicCount> all;
     for (const auto& [name, count] : unused_) all.push_back({name.first, name.second, count});

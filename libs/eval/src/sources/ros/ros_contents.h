@@ -71,6 +71,7 @@ class RosContents {
     const std::map<std::string, std::string>& scanFrames() const { return scanFrames_; }
     /// "'/scan' (20), '/points' (10)": topics of range sensors.
     std::string scanTopics() const;
+    std::vector<std::string> scanTopicNames() const;
 
     const SkippedObservations& skipped() const { return skipped_; }
     /// Transforms and poses that were dropped.

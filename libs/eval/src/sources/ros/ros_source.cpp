@@ -30,6 +30,9 @@ class RosSource final : public ScanSource {
     std::uint64_t total() const override { return total_; }
     SkippedObservations skipped() const override { return skipped_; }
     std::string warning() const override { return warning_; }
+    std::vector<std::string> sensorLabels() const override {
+        return contents_.scanTopicNames();
+    }
     const PoseTrack* trajectory() const override { return poses_->track(); }
     PoseSummary poses() const override {
         PoseSummary summary = poses_->summary();

@@ -134,6 +134,8 @@ class Capture {
         FrameRecording recording;
         recording.path = path_;
         recording.label = label_;
+        for (const auto& entry : sensors_)
+            if (entry.first != sender_) recording.otherLabels.push_back(labelOf(entry.first));
         recording.warning = warning_;
         const Revolutions& chosen = sensors_.at(sender_);
         for (std::size_t i = 0; i < chosen.starts.size(); ++i) {
