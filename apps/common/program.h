@@ -18,7 +18,8 @@ struct CommandEntry {
     std::string name, summary;
     /// Declares the options on the subcommand's parser and returns what to run
     /// once they are parsed. The type name of an option tells what is checked: N is a
-    /// count, METRES, DEGREES, SECONDS and so on are numbers.
+    /// count, METRES, DEGREES, SECONDS and so on are numbers, FILE and DATA are read, OUTPUT
+    /// is a file to write.
     Command (*declare)(CLI::App&);
 };
 

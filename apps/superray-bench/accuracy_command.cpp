@@ -123,12 +123,14 @@ Command declareAccuracy(CLI::App& app) {
         ->type_name("N");
     addInputOptions(app, r.source, r.worldSeed);
     addFigureOptions(app, a.figures);
-    app.add_option("--picture", a.picture, "Draw the maps over the truth (.png)")
-        ->type_name("FILE");
+    auto* picture =
+        app.add_option("--picture", a.picture, "Draw the maps over the truth (.png)")
+            ->type_name("OUTPUT");
     addListOption(app, "--slice", a.slice,
                   "Heights that the picture shows; default: one layer of cells, 0.5 m below "
                   "the sensor of the first scan",
-                  "LOW,HIGH");
+                  "LOW,HIGH")
+        ->needs(picture);
     return [arguments] { return accuracy(*arguments); };
 }
 

@@ -64,7 +64,7 @@ void addPolicyOption(CLI::App& app, UpdatePolicy& policy) {
 
 void addFigureOptions(CLI::App& app, FigureOptions& figures) {
     app.add_flag("--json", figures.json, "One JSON object instead of text");
-    app.add_option("--figures", figures.file, "Write all figures (.json)")->type_name("FILE");
+    app.add_option("--figures", figures.file, "Write all figures (.json)")->type_name("OUTPUT");
 }
 
 void checkFigureOptions(const FigureOptions& figures, const std::vector<std::string>& data) {

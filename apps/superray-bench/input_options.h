@@ -23,9 +23,9 @@ extern const char* const kDataHelp;
 void addInputOptions(CLI::App& app, ScanSourceOptions& source, std::uint64_t& worldSeed);
 /// A list of values, separated by commas (what follows them is something else).
 template <class T>
-void addListOption(CLI::App& app, const std::string& names, std::vector<T>& values,
-                   const std::string& help, const std::string& type) {
-    app.add_option(names, values, help)
+CLI::Option* addListOption(CLI::App& app, const std::string& names, std::vector<T>& values,
+                           const std::string& help, const std::string& type) {
+    return app.add_option(names, values, help)
         ->delimiter(',')
         ->allow_extra_args(false)
         ->type_name(type);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <superray/eval/input_error.h>
 #include <superray/eval/paper_figures.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -37,7 +40,20 @@ struct Arguments {
     bool noPeakMemory = false;
 };
 
+/// Measuring takes long: a folder that cannot be made is found before.
+void checkFolder(const std::string& folder) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    fs::path place = fs::absolute(folder, error);
+    while (!fs::exists(place, error) && place.has_relative_path()) place = place.parent_path();
+    if (!fs::is_directory(place, error))
+        throw InputError(folder + ": " + place.string() + " is a file, must be a folder");
+    if (access(place.c_str(), W_OK) != 0)
+        throw InputError(folder + ": " + place.string() + " cannot be written");
+}
+
 int paper(Arguments& a) {
+    checkFolder(a.output);
     a.request.peakMemory = !a.noPeakMemory;
     finishInputOptions(a.request.source);
     const PaperRuns runs = runPaper(a.request, std::cerr, progressStyle());

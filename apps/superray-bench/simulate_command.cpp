@@ -3,6 +3,7 @@
 #include <superray/eval/scan_character.h>
 #include <superray/eval/simulated_rawlog.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -35,6 +36,9 @@ struct Arguments {
 
 int simulate(const Arguments& a) {
     checkOutputPath(a.output, {".rawlog"});
+    const std::string poses = std::filesystem::path(a.output).replace_extension(".tum");
+    checkOutputPath(poses, {".tum"});
+    checkOutputsApart({}, {a.output, poses});
     const SimulatedWorld world(a.world, a.seed);
     PointScanRequest request;
     request.data = a.world;
@@ -63,7 +67,7 @@ Command declareSimulate(CLI::App& app) {
         ->type_name("WORLD");
     app.add_option("-o,--output", a.output, "Recording to write (.rawlog)")
         ->required()
-        ->type_name("FILE");
+        ->type_name("OUTPUT");
     app.add_option("--scans", a.scans, "Write the first so many scans; default: all")
         ->type_name("N");
     app.add_option("--seed", a.seed, "Default 1")->type_name("N");

@@ -1,13 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <superray/eval/input_error.h>
 #include <superray/eval/map_output.h>
 #include <superray/maps/map_factory.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
 #include "commands.h"
 
 namespace superray {
+namespace {
+
+/// What is written beside an output; empty: nothing.
+std::string companionOf(const std::string& output, const SuperRayMapInterface& map) {
+    std::filesystem::path path(output);
+    if (path.extension() == ".yaml") return path.replace_extension(".pgm");
+    if (path.extension() == ".png" && map.dimension() == 2)
+        return path.replace_extension(".yaml");
+    return {};
+}
+
+/// \param asked the options of pictures that are given, e.g. "--width, --height"
+void checkPictureOptions(const std::string& asked, const std::string& output,
+                         const SuperRayMapInterface& map) {
+    if (asked.empty()) return;
+    if (std::filesystem::path(output).extension() != ".png")
+        throw InputError(asked + " contradicts " + output +
+                         ": it is for pictures of 3D maps (.png)");
+    if (map.dimension() != 3)
+        throw InputError(asked + " contradicts " + map.shortClassName() +
+                         ": it is for pictures of 3D maps; those of a 2D map have a pixel a "
+                         "cell");
+}
+
+}  // namespace
 
 Command declareExport(CLI::App& app) {
     struct Arguments {
@@ -34,7 +61,7 @@ Command declareExport(CLI::App& app) {
     app.add_option("OUT", arguments->output,
                    "File to write: .bt, .ot, .ply, .3Dscene, .png, .yaml or .gridmap")
         ->required()
-        ->type_name("FILE");
+        ->type_name("OUTPUT");
     app.add_option("--cut-above", arguments->picture.cutAbove,
                    "Pictures of 3D maps: leave out what is above this height")
         ->type_name("METRES");
@@ -43,10 +70,18 @@ Command declareExport(CLI::App& app) {
         ->type_name("N");
     app.add_option("--height", arguments->picture.height, "Likewise; default 900")
         ->type_name("N");
-    return [arguments] {
+    return [arguments, &app] {
+        std::string asked;
+        for (const char* option : {"--cut-above", "--width", "--height"})
+            if (app.count(option) > 0)
+                asked += (asked.empty() ? "" : ", ") + std::string(option);
+        const std::string& output = arguments->output;
         const auto map = loadMap(arguments->map);
-        exportMap(dynamic_cast<const SuperRayMapInterface&>(*map), arguments->output,
-                  arguments->picture);
+        const auto& info = dynamic_cast<const SuperRayMapInterface&>(*map);
+        checkPictureOptions(asked, output, info);
+        const std::string companion = companionOf(output, info);
+        if (!companion.empty()) checkOutputsApart({arguments->map}, {output, companion});
+        exportMap(info, output, arguments->picture);
         std::cout << describeOutput(arguments->output) << "\n";
         return int{kSuccess};
     };

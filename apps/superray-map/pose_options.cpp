@@ -7,6 +7,19 @@
 
 namespace superray {
 
+namespace {
+
+/// A label chooses among what is recorded, and of that not among actions.
+void checkLabel(PoseOrigin origin, const std::string& option, const ScanSourceOptions& source) {
+    const bool hasLabels = origin != PoseOrigin::file && origin != PoseOrigin::fixed &&
+                           origin != PoseOrigin::actions;
+    if (!hasLabels && !source.poseLabel.empty())
+        throw InputError("--pose-label " + source.poseLabel + " contradicts " + option +
+                         ": these poses have no labels");
+}
+
+}  // namespace
+
 void addPoseOptions(CLI::App& app, PoseArguments& arguments, ScanSourceOptions& source) {
     auto* poses = app.add_option("--poses", source.posesFile,
                                  "Robot poses: TUM (t x y z qx qy qz qw) or MRPT (t x y z yaw "
@@ -42,7 +55,6 @@ void addDepthCameraOptions(CLI::App& app, ScanSourceOptions& source) {
         ->type_name("PIXELS");
     app.add_option("--depth-units", camera.unitsPerMetre,
                    "Value of a metre in the depth images of RGB-D folders; default 5000")
-        ->check(CLI::PositiveNumber)
         ->type_name("VALUE");
 }
 
@@ -51,13 +63,17 @@ PoseOrigin poseOrigin(const PoseArguments& arguments, const ScanSourceOptions& s
     const PoseOrigin origin = hasFile                ? PoseOrigin::file
                               : arguments.fixedRobot ? PoseOrigin::fixed
                                                      : PoseOrigin::input;
-    if (arguments.source.empty()) return origin;
+    if (arguments.source.empty()) {
+        checkLabel(origin, hasFile ? "--poses" : "--fixed-robot", source);
+        return origin;
+    }
     const PoseOrigin asked = poseOriginFromString(arguments.source);
     if (asked == PoseOrigin::file && !hasFile)
         throw InputError("--pose-source file needs --poses FILE");
     if (origin != PoseOrigin::input && asked != origin)
         throw InputError("--pose-source " + arguments.source + " contradicts " +
                          (hasFile ? "--poses" : "--fixed-robot"));
+    checkLabel(asked, "--pose-source " + arguments.source, source);
     return asked;
 }
 

@@ -76,6 +76,42 @@ TEST(BenchCli, simulatesRecordings) {
     expectError(folder, "simulate indoor --seed '' -o " + out, "must be a whole number");
 }
 
+TEST(BenchCli, whatCannotBeWrittenIsSaidPlainly) {
+    TempFolder folder;
+    std::filesystem::create_symlink("/dev/full", folder / "x.rawlog");
+    expectError(folder, "simulate indoor --scans 2 -o '" + (folder / "x.rawlog") + "'",
+                "No space left");
+    std::filesystem::create_symlink(folder / "b.rawlog", folder / "b.tum");
+    expectError(folder, "simulate indoor --scans 1 -o '" + (folder / "b.rawlog") + "'",
+                "would overwrite another output");
+    const auto file = folder.write("file", "");
+    for (const std::string& name : {file, file + "/within"}) {
+        const auto r = run(folder, "paper indoor --scans 1 -o '" + name + "'");
+        EXPECT_EQ(r.code, 2);
+        expectPart(r.error, "file is a file, must be a folder");
+        EXPECT_EQ(std::count(r.error.begin(), r.error.end(), '\n'), 1)
+            << "nothing was measured before: " << r.error;
+    }
+}
+
+TEST(BenchCli, valuesThatWouldCountAsNotGivenAreErrors) {
+    TempFolder folder;
+    for (const char* option : {"--engines ''", "--sensor ''", "--poses ''", "--figures ''"})
+        expectError(folder, "compare indoor --scans 1 " + std::string(option),
+                    "must not be empty");
+    expectError(folder, "compare indoor --scans 1 --resolutions 0.5,nan", "'nan' is not a");
+    expectError(folder, "realtime indoor --scans 1 --rate nan", "'nan' is not a number");
+    expectError(folder, "soak indoor --scans 1 --max-memory -1", "must be a whole number");
+    expectError(folder, "accuracy indoor --scans 1 --slice 0,1", "--slice requires --picture");
+    const std::string in = "compare '" + writeSmallRecording(folder / "small.rawlog") + "' ";
+    expectError(folder, in + "--engines grid --sensor NOPE", "NOPE");
+    const std::string link = folder / "a.json";
+    std::filesystem::create_symlink(folder / "small.rawlog", link);
+    expectError(folder, in + "--engines grid --figures '" + link + "'",
+                "would overwrite the input");
+    EXPECT_FALSE(readWholeFile(folder / "small.rawlog").empty());
+}
+
 TEST(BenchCli, replaysInRealTime) {
     TempFolder folder;
     const std::string in = " '" + writeSmallRecording(folder / "small.rawlog") + "' ";

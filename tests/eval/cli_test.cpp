@@ -269,7 +269,9 @@ TEST(Cli, jsonIsValid) {
     if (std::system("python3 -c 'import json' 2>/dev/null") != 0)
         GTEST_SKIP() << "PYTHON3 ABSENT: JSON NOT TESTED";
     const std::string name = folder / "quo\"te\\ \xc3\xa9 \xff.srmap";
-    runOk(folder, "build '" + makeRecording(folder) + "' -o '" + name +
+    writeRawlog(folder / "b.rawlog", {makePose(0, CPose3D()), makeCloud(0, 1, "LIDAR"),
+                                      makeCloud(0, 2, "a \"quoted\" label")});
+    runOk(folder, "build '" + (folder / "b.rawlog") + "' -o '" + name +
                       "' --sensor 'LIDAR,a \"quoted\" label'");
     const auto json = runOk(folder, "info --json '" + name + "'");
     const auto path = folder.write("info.json", json);

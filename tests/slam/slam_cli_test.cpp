@@ -93,6 +93,10 @@ TEST_F(SlamProgram, ErrorsAreOneLineAndCodeTwo) {
         {"build " + input + " -o " + path("r.tum") + " --resolution ''", "must be a number"},
         {"build " + input + " -o " + path("r.tum") + " --scans -1", "must be a whole number"},
         {"build " + input + " -o " + path("r.tum") + " --threads -1", "must be a whole number"},
+        {"build " + input + " -o " + path("r.tum") + " --start ''", "must not be empty"},
+        {"build " + input + " -o " + path("r.tum") + " --config ''", "must not be empty"},
+        {"build " + input + " -o " + path("r.tum") + " --point-spacing nan", "not a number"},
+        {"build " + input + " -o " + path("r.tum") + " --start '0 0 0 nan 0 0'", "six numbers"},
         {"build " + path("planar.rawlog") + " -o " + path("r.tum"), "icp-slam"},
         {"evaluate " + input + " " + path("truth.tum"), "room.rawlog"},
         {"nonsense", "superray-slam --help"},
@@ -104,6 +108,46 @@ TEST_F(SlamProgram, ErrorsAreOneLineAndCodeTwo) {
             << e.arguments << " -> " << result.error;
     }
     EXPECT_FALSE(std::filesystem::exists(folder_ / "r.tum"));
+}
+
+TEST_F(SlamProgram, OutputsAreNeitherInputsNorEachOther) {
+    const std::string options = " --levels 0.6 --point-spacing 0.3 --resolution 0.2";
+    ASSERT_EQ(run("build " + path("room.rawlog") + " -o " + path("a.simplemap") + options).code,
+              0);
+    const std::string whole = test::readWholeFile(folder_ / "a.simplemap");
+    const auto over = run("build " + path("a.simplemap") + " -o " + path("b.tum") + " " +
+                          path("a.simplemap") + options);
+    EXPECT_EQ(over.code, 2);
+    test::expectPart(over.error, "would overwrite the input");
+    EXPECT_EQ(test::readWholeFile(folder_ / "a.simplemap"), whole);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "b.tum")) << "before any work";
+    const auto ini = folder_.write("c.ini", "[icp]\nmaxIterations = 5\n");
+    std::filesystem::create_symlink(ini, folder_ / "c.srmap");
+    const std::string in = "build " + path("room.rawlog") + options;
+    test::expectPart(run(in + " --config " + path("c.ini") + " -o " + path("c.srmap")).error,
+                     "would overwrite the input");
+    test::expectPart(run(in + " -o " + path("d.tum") + " " + path("./d.tum")).error,
+                     "would overwrite another output");
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "d.tum"));
+    for (const char* name : {"n.tum", "n.srmap"})
+        std::filesystem::create_symlink("/dev/null", folder_ / name);
+    EXPECT_EQ(run(in + " -o " + path("n.tum") + " " + path("n.srmap")).code, 0);
+}
+
+TEST_F(SlamProgram, EveryLabelThatIsAskedForMustBeThere) {
+    const auto labels = test::roomScan(test::roomPose(0), 0, 0).observation->sensorLabel;
+    const auto r = run("build " + path("room.rawlog") + " -o " + path("r.tum") + " --sensor '" +
+                       labels + ",NOPE'");
+    EXPECT_EQ(r.code, 2);
+    test::expectPart(r.error, "'NOPE'");
+    test::expectPart(r.error, "the labels are '" + labels + "'");
+}
+
+TEST_F(SlamProgram, LinesThatAreNotReadAreErrors) {
+    folder_.write("a.ini", "[other]\nfree text\n[keyframes]\ninsertionLinDistance: 3\n");
+    const auto r = run("options --config " + path("a.ini"));
+    EXPECT_EQ(r.code, 2);
+    test::expectPart(r.error, "a.ini:4: 'insertionlindistance: 3' must be 'key = value'");
 }
 
 TEST_F(SlamProgram, TheLiveViewNeedsADisplay) {

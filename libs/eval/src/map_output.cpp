@@ -21,6 +21,24 @@ namespace fs = std::filesystem;
 const std::vector<std::string> kExportExtensions = {".bt",  ".ot",   ".ply",    ".3Dscene",
                                                     ".png", ".yaml", ".gridmap"};
 
+/// Where a path leads, also through links to what is not there yet.
+fs::path targetOf(const std::string& path) {
+    constexpr int kMostLinks = 40;  // as Linux has it
+    std::error_code error;
+    fs::path target = path;
+    for (int i = 0; i < kMostLinks && fs::is_symlink(target, error); ++i)
+        target = target.parent_path() / fs::read_symlink(target, error);
+    return fs::weakly_canonical(target, error);
+}
+
+bool isSameFile(const std::string& a, const std::string& b) {
+    std::error_code error;
+    const auto statusA = fs::status(a, error), statusB = fs::status(b, error);
+    if (!fs::exists(statusA) && !fs::exists(statusB)) return targetOf(a) == targetOf(b);
+    return fs::is_regular_file(statusA) && fs::is_regular_file(statusB) &&
+           fs::equivalent(a, b, error);
+}
+
 void writePicture(const SuperRayMapInterface& map, const std::string& path,
                   const PictureOptions& picture) {
     if (const auto* map2 = dynamic_cast<const CSuperRayMapBase<2>*>(&map)) {
@@ -76,6 +94,19 @@ void checkOutputPath(const std::string& path, const std::vector<std::string>& ex
         checkOutputFile(path);
     } catch (const MapFileError& e) {
         throw InputError(e.what());
+    }
+}
+
+void checkOutputsApart(const std::vector<std::string>& inputs,
+                       const std::vector<std::string>& outputs) {
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        for (const std::string& input : inputs)
+            if (isSameFile(outputs[i], input))
+                throw InputError(outputs[i] + ": would overwrite the input " + input);
+        for (std::size_t k = 0; k < i; ++k)
+            if (isSameFile(outputs[i], outputs[k]))
+                throw InputError(outputs[i] + ": would overwrite another output, " +
+                                 outputs[k]);
     }
 }
 

@@ -16,6 +16,12 @@ namespace superray {
 /// \throws InputError naming the path and what is wrong with it
 void checkOutputPath(const std::string& path, const std::vector<std::string>& extensions);
 
+/// Refuses, before any work, an output that would overwrite an input or another output: the
+/// same file, also by another name or a link. Devices and FIFOs overwrite nothing.
+/// \throws InputError naming both
+void checkOutputsApart(const std::vector<std::string>& inputs,
+                       const std::vector<std::string>& outputs);
+
 /// Writes a map in the format of the extension: .bt, .ot (OctoMap, 3D), .ply,
 /// .3Dscene (MRPT), .png (picture; of a 2D map with a .yaml beside it), .yaml (2D; with a
 /// .pgm beside it, for map_server and nav2) or .gridmap (2D; MRPT), by the rules of
