@@ -112,6 +112,66 @@ TEST(Trajectory, skipsAndCountsRowsThatAreNotFinite) {
     EXPECT_EQ(t.skippedRows(), 2u);
 }
 
+TEST(Trajectory, rowsThatAreRepeatedAreOnePose) {
+    TempFolder folder;
+    const auto t = Trajectory::load(
+        folder.write("a.tum",
+                     "1 1 2 3 0 0 0.6 0.8\n2 0 0 0 0 0 0 1\n1 1 2 3 0 0 0.6 0.8\n"
+                     "1.0 1 2 3 0 0 -0.6 -0.8\n"));
+    EXPECT_EQ(t.size(), 2u);
+}
+
+TEST(Trajectory, namesOfColumnsMustBeThoseThatAreRead) {
+    TempFolder folder;
+    const std::string tum = "1 0 0 0 0 0 0 1\n", mrpt = "1 0 0 0 0 0 0\n",
+                      commas = "1,0,0,0,0,0,0,1\n";
+    const std::string goods[] = {
+        "time x y z qx qy qz qw\n" + tum,
+        "# timestamp tx ty tz qx qy qz qw\n" + tum,
+        "timestamp [s],p_x [m],p_y [m],p_z [m],q_x,q_y,q_z,q_w\n" + commas,
+        "t;X;Y;Z;QX;QY;QZ;QW\n1;0;0;0;0;0;0;1\n",
+        "field.header.stamp,field.pose.position.x,field.pose.position.y,"
+        "field.pose.position.z,field.pose.orientation.x,field.pose.orientation.y,"
+        "field.pose.orientation.z,field.pose.orientation.w\n" +
+            commas,
+        "t x y z x y z w\n" + tum,
+        "# robot poses in x, y and z, by time\n" + tum,
+        "Poses of the robot\n" + tum,
+        "a b c d e f g h\n" + tum,
+        "# time x y z yaw pitch roll\n" + mrpt,
+        "TIMESTAMP X Y Z YAW PITCH ROLL\n" + mrpt,
+        "# timestamp x y z qx qy qz qw (robot pose in the map frame)\n" + tum,
+        "# roll, pitch and yaw were made quaternions: x y z qx qy qz qw\n" + tum};
+    for (const auto& good : goods)
+        EXPECT_EQ(Trajectory::load(folder.write("a.txt", good)).size(), 1u) << good;
+    struct Case {
+        std::string contents, expected;
+    };
+    const Case cases[] = {
+        {"time x y z qw qx qy qz\n" + tum, "column 5 is 'qw', read as qx"},
+        {"t,x,y,z,q_w,q_x,q_y,q_z\n" + commas, "column 5 is 'q_w', read as qx"},
+        {"x y z qx qy qz qw t\n" + tum, "column 1 is 'x', read as t"},
+        {"t,y,x,z,qx,qy,qz,qw\n" + commas, "column 2 is 'y', read as x"},
+        {"t x y z roll pitch yaw\n" + mrpt, "column 5 is 'roll', read as yaw"},
+        {"t x y z rx ry rz\n" + mrpt, "column 5 is 'rx', read as yaw"},
+        {"t x y qx qy qz qw\n" + mrpt, "column 4 is 'qx', read as z"},
+        {"t x y z qx qy qz qw\n" + mrpt, "the order x y z qx qy qz qw, read as x y z yaw"},
+        {"# timestamp tx ty tz qw qx qy qz\n" + tum, "the order tx ty tz qw qx qy qz, read"},
+        {"# columns: t, qx, qy, qz, qw, x, y, z\n" + tum, "the order qx qy qz qw x y z"},
+        {"% time x y z roll pitch yaw (rad)\n" + mrpt, "the order x y z roll pitch yaw"},
+        {"# t x y z yaw pitch roll\n" + tum, "the order x y z yaw pitch roll, read"},
+        {"#ts p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+         "q_RS_z []\n" +
+             commas,
+         "q_RS_w q_RS_x q_RS_y q_RS_z, read as x y z qx qy qz qw"}};
+    for (const Case& c : cases) {
+        const auto path = folder.write("a.txt", c.contents);
+        const auto message = messageOf<InputError>([&] { Trajectory::load(path); });
+        test::expectPart(message, path + ":1: ");
+        test::expectPart(message, c.expected);
+    }
+}
+
 TEST(Trajectory, saysWhereAFileIsWrong) {
     TempFolder folder;
     struct Case {
@@ -129,6 +189,22 @@ TEST(Trajectory, saysWhereAFileIsWrong) {
         {"1,0,0,0,0,0,0,a\n", ":1: every column must be a finite number"},
         {"1 0 0 0 0 1 0 0 0 0 1 0\n", "KITTI's 12 columns have no times"},
         {"1 2 0 0 0 0 1 0 0 0 0 1 0\n", ":1: the left 3x3 part"},
+        // A mirror; and a scale.
+        {"1 1 0 0 0 0 1 0 0 0 0 -1 0\n", ":1: the left 3x3 part"},
+        {"1 1.003 0 0 0 0 1 0 0 0 0 1 0\n", ":1: the left 3x3 part"},
+        // Empty fields, and commas of decimals, are no blanks.
+        {"1,0,0,,0,0,0,1\n", ":1: column 4 is empty"},
+        {"1;0;0; ;0;0;0;1\n", ":1: column 4 is empty"},
+        {"t,x,y,z,qx,qy,qz,qw\n,0,0,0,0,0,0,1\n", ":2: column 1 is empty"},
+        {"1,0,0,0,0,0,0,1,\n", ":1: column 9 is empty"},
+        {"1 1,5 0 0 0 0 1\n", ":1: every column must be a finite number"},
+        {"1,0;1,5;0;0;0;0;1\n", ":1: every column must be a finite number"},
+        {"1,0 0 0 0 0 0 1\n", ":1: every column must be a finite number"},
+        // Two places at one time.
+        {"1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n\n2 1 5 0 0 0 0 1\n",
+         ":4: time 2.000000 has another pose than in line 2"},
+        {"1 0 0 0 0 0 0\n1.0 0 0 0 0.01 0 0\n",
+         ":2: time 1.000000 has another pose than in line 1"},
         {"t,x,y,z\n", "holds no pose"},
         {"1 0 0 0 0 0 0 0\n", ":1: the quaternion"},
         {"1 0 0 0 0 0 0 1.1\n", ":1: the quaternion"},

@@ -27,9 +27,9 @@ bool forEachWord(const std::string& line, const char* separators, const Visit& v
     return true;
 }
 
-std::optional<std::vector<double>> parseWords(const std::string& line, const char* separators) {
+std::optional<std::vector<double>> parseWords(const std::string& line) {
     std::vector<double> numbers;
-    const bool good = forEachWord(line, separators, [&](const char* first, const char* last) {
+    const bool good = forEachWord(line, kBlanks, [&](const char* first, const char* last) {
         double value = 0;
         const auto [rest, error] = std::from_chars(first, last, value);
         numbers.push_back(value);
@@ -42,7 +42,7 @@ std::optional<std::vector<double>> parseWords(const std::string& line, const cha
 }  // namespace
 
 std::optional<std::vector<double>> parseNumbers(const std::string& line) {
-    auto numbers = parseWords(line, kBlanks);
+    auto numbers = parseWords(line);
     if (!numbers || !std::all_of(numbers->begin(), numbers->end(),
                                  [](double v) { return std::isfinite(v); }))
         return std::nullopt;
@@ -55,10 +55,6 @@ std::optional<double> parseNumber(const std::string& word) {
     const auto [rest, error] = std::from_chars(word.data(), end, value);
     if (error != std::errc{} || rest != end || !std::isfinite(value)) return std::nullopt;
     return value;
-}
-
-std::optional<std::vector<double>> parseRow(const std::string& line) {
-    return parseWords(line, kSeparators);
 }
 
 bool isHeading(const std::string& line) {
@@ -79,6 +75,31 @@ void forEachLine(const std::filesystem::path& path,
     std::string line;
     for (std::size_t number = 1; std::getline(file, line); ++number)
         if (!isCommentLine(line)) visit(line, path.string() + ":" + std::to_string(number));
+}
+
+std::vector<double> rowOrThrow(const std::string& line, const std::string& where) {
+    const auto fail = [&](const std::string& why) {
+        throw InputError(where + ": " + why +
+                         "every column must be a finite number, separated by blanks or commas");
+    };
+    // Where there are semicolons, a comma may be that of a decimal.
+    const char comma = line.find(';') != std::string::npos ? ';' : ',';
+    if (line.find(comma) == std::string::npos) {
+        const auto row = parseWords(line);
+        if (!row) fail("");
+        return *row;
+    }
+    std::vector<double> row;
+    for (std::size_t begin = 0; begin <= line.size();) {
+        const auto end = std::min(line.find(comma, begin), line.size());
+        const auto field = parseWords(line.substr(begin, end - begin));
+        if (field && field->empty())
+            fail("column " + std::to_string(row.size() + 1) + " is empty: ");
+        if (!field || field->size() != 1) fail("");
+        row.push_back(field->front());
+        begin = end + 1;
+    }
+    return row;
 }
 
 std::vector<double> numbersOrThrow(const std::string& text, const std::string& where) {

@@ -18,9 +18,10 @@ std::optional<std::vector<double>> parseNumbers(const std::string& line);
 /// The finite number that a word is, entirely; nothing for other words.
 std::optional<double> parseNumber(const std::string& word);
 
-/// The numbers of a line of a table, separated by blanks or commas; they may be NaN or
-/// infinite. Nothing if any word is not entirely a number.
-std::optional<std::vector<double>> parseRow(const std::string& line);
+/// The numbers of a line of a table, separated by blanks, or by one comma (or semicolon) each;
+/// they may be NaN or infinite.
+/// \throws InputError naming `where` if a word is not entirely a number, or a column is empty
+std::vector<double> rowOrThrow(const std::string& line, const std::string& where);
 
 /// True if a line has words, but none that begins like a number: a heading.
 bool isHeading(const std::string& line);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sources/folders/kitti_files.h"
 
-#include <mrpt/math/CMatrixFixed.h>
 #include <superray/eval/input_error.h>
 
 #include <cstring>
@@ -9,34 +8,13 @@
 
 #include "sources/clouds/sensor_points.h"
 #include "sources/file_bytes.h"
+#include "sources/poses/matrix_pose.h"
 #include "sources/text_numbers.h"
 #include "text/text_input.h"
 
 namespace superray {
 
 namespace fs = std::filesystem;
-using Eigen::Isometry3d;
-
-Isometry3d fromRowMajor(const std::vector<double>& v, const std::string& where) {
-    if (v.size() != 12)
-        throw InputError(where + ": has " + std::to_string(v.size()) +
-                         " numbers, a 3x4 matrix has 12");
-    Isometry3d T = Isometry3d::Identity();
-    for (int row = 0; row < 3; ++row)
-        for (int col = 0; col < 4; ++col)
-            T.matrix()(row, col) = v[static_cast<std::size_t>(4 * row + col)];
-    const Eigen::Matrix3d R = T.linear();
-    if (!(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0)
-        throw InputError(where + ": its left 3x3 part is not a rotation");
-    return T;
-}
-
-mrpt::poses::CPose3D toPose(const Isometry3d& T) {
-    mrpt::math::CMatrixDouble44 m;
-    for (int row = 0; row < 4; ++row)
-        for (int col = 0; col < 4; ++col) m(row, col) = T.matrix()(row, col);
-    return mrpt::poses::CPose3D(m);
-}
 
 bool isKittiPoses(const std::string& path) {
     std::istringstream file = openTextInput(path, LastLine::any);

@@ -6,18 +6,11 @@
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/poses/CPose3D.h>
 
-#include <Eigen/Geometry>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace superray {
-
-/// A 3x4 matrix in row-major order, as KITTI writes poses and calibrations.
-/// \throws InputError naming `where`: not 12 numbers, or no rotation
-Eigen::Isometry3d fromRowMajor(const std::vector<double>& values, const std::string& where);
-
-mrpt::poses::CPose3D toPose(const Eigen::Isometry3d& T);
 
 /// True if the first line with data has 12 numbers.
 bool isKittiPoses(const std::string& path);

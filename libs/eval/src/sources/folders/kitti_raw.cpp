@@ -13,6 +13,7 @@
 
 #include "sources/folders/frame_source.h"
 #include "sources/folders/kitti_files.h"
+#include "sources/poses/matrix_pose.h"
 #include "sources/text_numbers.h"
 
 namespace superray {
