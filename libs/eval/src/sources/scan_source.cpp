@@ -126,7 +126,9 @@ void throwNoScanHasPose(const std::string& path, const ScanSourceOptions& option
         " s" +
         (overlap
              ? std::string("; gaps of more than ") + gap + " s are not bridged (--max-pose-gap)"
-             : ""));
+         : ofFile ? "; where the clocks differ, put the poses on the scans' clock, or give "
+                    "folders poses without times, in 12 columns"
+                  : ""));
 }
 
 void throwNoScans(const std::string& path, const ScanSourceOptions& options,

@@ -17,10 +17,11 @@ class Trajectory : public PoseTrack {
     ///  - TUM, 8 columns: `t x y z qx qy qz qw`;
     ///  - MRPT (CPose3DInterpolator), 7 columns: `t x y z yaw pitch roll`;
     ///  - MulRan, 13 columns: t [ns], then a 3x4 matrix, row by row.
-    /// t in seconds since 1970, metres, radians; columns are separated by blanks or commas.
-    /// Empty lines, lines starting with # or %, and a heading without any number are
-    /// skipped; the lines may be in any order. Rows with numbers that are not finite are
-    /// skipped and counted.
+    /// t in seconds since 1970, metres, radians; columns are separated by blanks, commas or
+    /// semicolons. Empty lines, lines starting with # or %, and a heading without any number
+    /// are skipped, but must not name another order of columns; the lines may be in any
+    /// order, and be there twice. Rows with numbers that are not finite are skipped and
+    /// counted.
     /// \throws InputError naming file, line and rule
     static Trajectory load(const std::string& path);
 

@@ -44,16 +44,14 @@ std::unique_ptr<ScanSource> openClouds(const std::string& path,
     std::vector<fs::path> files = {path};
     if (fs::is_directory(path)) files = listFrames(path, cloudExtensions());
     if (files.empty()) throwNoScans(path, options, {});
+    addNamedFrames(files, recording);
+    refuseTwins(recording);
     std::uint64_t viewpoints = 0;
-    for (const auto& file : files) {
-        if (is(".laz", file)) throwIsLaz(file.string());
-        Frame frame;
-        frame.file = file;
-        frame.time = timeOfName(file.stem().string()).value_or(Trajectory::Time());
-        if (options.poses == PoseOrigin::input && is(".pcd", file))
-            frame.T_map_robot = readPcdViewpoint(file.string());
+    for (Frame& frame : recording.frames) {
+        if (is(".laz", frame.file)) throwIsLaz(frame.file.string());
+        if (options.poses == PoseOrigin::input && is(".pcd", frame.file))
+            frame.T_map_robot = readPcdViewpoint(frame.file.string());
         viewpoints += frame.T_map_robot.has_value();
-        recording.frames.push_back(frame);
     }
     // A sensor that starts at the origin has a viewpoint that looks like none.
     if (viewpoints > 0 && !recording.frames.front().T_map_robot)

@@ -5,6 +5,9 @@
 #include <superray/maps/option_text.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -20,6 +23,31 @@ using mrpt::poses::CPose3D;
 
 bool isAllDigits(const std::string& text) {
     return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// Like strcmp(), but numbers by their values: whole ones, and fractions behind them.
+int compareNames(const std::string& a, const std::string& b) {
+    const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
+    std::size_t i = 0, k = 0;
+    bool inFraction = false;
+    while (i < a.size() && k < b.size()) {
+        if (!isDigit(a[i]) || !isDigit(b[k])) {
+            if (a[i] != b[k]) return a[i] < b[k] ? -1 : 1;
+            inFraction = a[i] == '.' && i > 0 && isDigit(a[i - 1]);
+            ++i, ++k;
+            continue;
+        }
+        const auto numberAt = [&](const std::string& name, std::size_t& at) {
+            const auto begin = inFraction ? at : name.find_first_not_of('0', at);
+            at = std::min(name.find_first_not_of("0123456789", at), name.size());
+            return begin < at ? name.substr(begin, at - begin) : std::string();
+        };
+        const std::string x = numberAt(a, i), y = numberAt(b, k);
+        if (!inFraction && x.size() != y.size()) return x.size() < y.size() ? -1 : 1;
+        if (x != y) return x < y ? -1 : 1;
+        inFraction = false;
+    }
+    return static_cast<int>(i < a.size()) - static_cast<int>(k < b.size());
 }
 
 class FrameSource final : public ScanSource {
@@ -90,7 +118,7 @@ class FrameSource final : public ScanSource {
             for (Frame& f : frames) f.T_map_robot = CPose3D();
             summary_ = PoseSummary("the robot stays at the map's origin");
         } else if (options.poses == PoseOrigin::file && isKittiPoses(options.posesFile)) {
-            giveByOrder(readKittiPoses(options.posesFile), options.posesFile);
+            giveByRow(readKittiPoses(options.posesFile), options.posesFile);
         } else if (options.poses == PoseOrigin::file) {
             giveByFile(options);
         } else {
@@ -110,12 +138,27 @@ class FrameSource final : public ScanSource {
 
     void giveByOrder(const std::vector<CPose3D>& poses, const std::string& file) {
         auto& frames = recording_.frames;
-        if (poses.size() < frames.size())
-            throw InputError(file + ": has " + std::to_string(poses.size()) + " poses for " +
-                             std::to_string(frames.size()) + " scans of " + recording_.path);
         for (std::size_t i = 0; i < frames.size(); ++i) frames[i].T_map_robot = poses[i];
         summary_ = PoseSummary("file '" + file + "'", poses.size());
         summary_.note = "paired with the scans by their order";
+    }
+
+    /// Poses without times.
+    void giveByRow(const std::vector<CPose3D>& poses, const std::string& file) {
+        auto& frames = recording_.frames;
+        if (poses.size() == frames.size()) return giveByOrder(poses, file);
+        const bool haveRows = std::all_of(frames.begin(), frames.end(), [&](const Frame& f) {
+            return f.row && *f.row < poses.size();
+        });
+        if (!haveRows || poses.size() < frames.size())
+            throw InputError(file + ": has " + std::to_string(poses.size()) + " poses for " +
+                             std::to_string(frames.size()) + " scans of " + recording_.path +
+                             ": without times there must be one for each scan, or files "
+                             "numbered 0 to " +
+                             std::to_string(poses.size() - 1) + " by their rows");
+        for (Frame& f : frames) f.T_map_robot = poses[*f.row];
+        summary_ = PoseSummary("file '" + file + "'", poses.size());
+        summary_.note = "paired with the scans by the numbers of the files";
     }
 
     void giveByFile(const ScanSourceOptions& options) {
@@ -130,7 +173,9 @@ class FrameSource final : public ScanSource {
             found += answer.pose.has_value();
             if (!answer.pose) countWithoutPose(answer, missing);
         }
-        if (found == 0 && poses.size() == recording_.frames.size()) {
+        const bool isOneEach =
+            poses.size() == recording_.frames.size() && poses.skippedRows() == 0;
+        if (found == 0 && !recording_.isTimed && isOneEach) {
             std::vector<CPose3D> inOrder;
             for (const auto& entry : poses.poses()) inOrder.push_back(entry.second);
             return giveByOrder(inOrder, options.posesFile);
@@ -165,6 +210,50 @@ std::optional<Trajectory::Time> timeOfName(const std::string& stem) {
     return mrpt::Clock::fromDouble(*value);
 }
 
+std::optional<std::size_t> frameNumber(const std::string& stem) {
+    constexpr std::size_t kMostFrames = 10'000'000;  // of 10 Hz: 11 days
+    std::size_t number = 0;
+    const auto [rest, bad] = std::from_chars(stem.data(), stem.data() + stem.size(), number);
+    if (bad != std::errc{} || rest != stem.data() + stem.size() || number >= kMostFrames)
+        return std::nullopt;
+    return number;
+}
+
+void addNamedFrames(const std::vector<fs::path>& files, FrameRecording& recording) {
+    recording.isTimed = false;
+    for (const auto& file : files) {
+        const std::string stem = file.stem().string();
+        Frame frame;
+        frame.file = file;
+        frame.row = frameNumber(stem);
+        if (const auto time = timeOfName(stem)) {
+            frame.time = *time;
+            recording.isTimed = recording.isTimed || !frame.row;
+        }
+        recording.frames.push_back(frame);
+    }
+}
+
+void refuseTwins(const FrameRecording& recording) {
+    std::map<Trajectory::Time, fs::path> byTime;
+    std::map<fs::path, fs::path> byName;
+    const auto fail = [&](const std::string& same, const fs::path& a, const fs::path& b) {
+        throw InputError(recording.path + ": has two scans of one " + same + ": " + a.string() +
+                         " and " + b.string());
+    };
+    for (const Frame& f : recording.frames) {
+        const auto named = byName.emplace(fs::path(f.file).replace_extension(), f.file);
+        if (f.time != Trajectory::Time()) {
+            const auto timed = byTime.emplace(f.time, f.file);
+            char seconds[40];
+            std::snprintf(seconds, sizeof seconds, "%.3f", mrpt::Clock::toDouble(f.time));
+            if (!timed.second)
+                fail(std::string("time, ") + seconds + " s", timed.first->second, f.file);
+        }
+        if (!named.second) fail("name", named.first->second, f.file);
+    }
+}
+
 std::vector<fs::path> listFrames(const fs::path& folder,
                                  const std::vector<std::string>& extensions) {
     std::vector<fs::path> files;
@@ -182,7 +271,10 @@ std::vector<fs::path> listFrames(const fs::path& folder,
             numbered.emplace_back(*number, file);
     }
     if (numbered.size() != files.size()) {
-        std::sort(files.begin(), files.end());
+        std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+            const int order = compareNames(a.stem().string(), b.stem().string());
+            return order != 0 ? order < 0 : a < b;
+        });
         return files;
     }
     std::sort(numbered.begin(), numbered.end());

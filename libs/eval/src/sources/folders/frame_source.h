@@ -22,6 +22,7 @@ struct Frame {
     Trajectory::Time time;  ///< mrpt::Clock::time_point() if the recording does not tell
     std::optional<mrpt::poses::CPose3D> T_map_robot;  ///< what the recording itself says
     std::size_t number = 0;                           ///< for read(), of files of many frames
+    std::optional<std::size_t> row{};  ///< of this scan in a table: see frameNumber()
 };
 
 /// The frames of a recording, and how to read them.
@@ -34,11 +35,15 @@ struct FrameRecording {
     /// Reads the points or the image of a frame; the rest is filled in. \throws InputError
     std::function<mrpt::obs::CObservation::Ptr(const Frame&)> read;
     bool guarded = false;  ///< read() lets another library decode: see ReadGuard
+    /// The times are those of a clock; false: times tell nothing, as files have numbers only.
+    bool isTimed = true;
 };
 
-/// With a poses file: by time, or, where no time fits and there are as many poses as
-/// frames, by order. A poses file of KITTI's 12 columns is by order, too.
-/// \throws InputError if another label is asked for, or no frame has a pose
+/// With a poses file: by time, or, where the recording has no times, none fits, and there are
+/// as many poses as frames, by order. A poses file of KITTI's 12 columns is by order too, or,
+/// with more poses than frames, by the frames' rows.
+/// \throws InputError if another label is asked for, no frame has a pose, or nothing tells
+///         which pose belongs to which frame
 std::unique_ptr<ScanSource> makeFrameSource(FrameRecording recording,
                                             const ScanSourceOptions& options);
 
@@ -46,8 +51,19 @@ std::unique_ptr<ScanSource> makeFrameSource(FrameRecording recording,
 /// digits [ns], since 1970. Nothing for other names.
 std::optional<Trajectory::Time> timeOfName(const std::string& stem);
 
+/// The number of a frame that a file is named by, as KITTI does: the row of tables, counted
+/// from 0. Nothing for other names, and for times.
+std::optional<std::size_t> frameNumber(const std::string& stem);
+
+/// Frames of files that are named by time, or by frame number.
+void addNamedFrames(const std::vector<std::filesystem::path>& files, FrameRecording& recording);
+
+/// \throws InputError if two frames have the same time, or are the same file but for its
+///         extension
+void refuseTwins(const FrameRecording& recording);
+
 /// Files of the folder with one of these extensions (any case): by number where all names
-/// are numbers, else by name.
+/// are numbers, else by name, numbers in it by their values.
 std::vector<std::filesystem::path> listFrames(const std::filesystem::path& folder,
                                               const std::vector<std::string>& extensions);
 

@@ -8,6 +8,7 @@
 
 #include "sources/clouds/sensor_points.h"
 #include "sources/file_bytes.h"
+#include "sources/folders/frame_source.h"
 #include "sources/poses/matrix_pose.h"
 #include "sources/text_numbers.h"
 #include "text/text_input.h"
@@ -33,6 +34,18 @@ std::vector<mrpt::poses::CPose3D> readKittiPoses(const std::string& path) {
         poses.push_back(toPose(fromRowMajor(numbersOrThrow(line, where), where)));
     });
     return poses;
+}
+
+std::map<std::size_t, fs::path> scansByFrame(const fs::path& folder) {
+    std::map<std::size_t, fs::path> files;
+    for (const auto& path : listFrames(folder, {".bin"})) {
+        const auto frame = frameNumber(path.stem().string());
+        if (!frame) throw InputError(path.string() + ": is not named by its frame number");
+        if (!files.emplace(*frame, path).second)
+            throw InputError(path.string() + ": frame " + std::to_string(*frame) +
+                             " is there twice, see " + files[*frame].string());
+    }
+    return files;
 }
 
 mrpt::maps::CSimplePointsMap::Ptr readKittiPoints(const fs::path& path) {

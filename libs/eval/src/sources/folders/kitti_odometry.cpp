@@ -4,9 +4,7 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <superray/eval/input_error.h>
 
-#include <charconv>
 #include <cmath>
-#include <map>
 
 #include "sources/folders/frame_source.h"
 #include "sources/folders/kitti_files.h"
@@ -64,26 +62,6 @@ void checkCount(const fs::path& path, const char* what, std::size_t count, std::
                          " for " + std::to_string(frames) + " frames in velodyne/");
 }
 
-/// Scan files by frame number, which is their name: row of poses and times.
-std::map<std::size_t, fs::path> listScans(const fs::path& folder) {
-    constexpr std::size_t kMostFrames = 10'000'000;
-    std::map<std::size_t, fs::path> files;
-    for (const auto& path : listFrames(folder / "velodyne", {".bin"})) {
-        const std::string name = path.stem().string();
-        std::size_t frame = 0;
-        const auto [rest, bad] = std::from_chars(name.data(), name.data() + name.size(), frame);
-        if (bad != std::errc{} || rest != name.data() + name.size() || frame > kMostFrames)
-            throw InputError(path.string() + ": is not named by its frame number");
-        if (!files.emplace(frame, path).second)
-            throw InputError(path.string() + ": frame " + std::to_string(frame) +
-                             " is there twice, see " + files[frame].string());
-    }
-    if (files.empty())
-        throw InputError(folder.string() +
-                         ": is not a KITTI odometry folder: it has no velodyne/*.bin");
-    return files;
-}
-
 std::vector<Trajectory::Time> readTimes(const fs::path& folder, std::size_t frames) {
     constexpr double kLargestTime = 1e11;  // s, that MRPT's clock counts
     constexpr double kPeriod = 0.1;        // s, of KITTI's Velodyne
@@ -128,7 +106,10 @@ mrpt::obs::CObservation::Ptr readScan(const Frame& frame) {
 }  // namespace
 
 std::unique_ptr<ScanSource> openKitti(const fs::path& folder, const ScanSourceOptions& asked) {
-    const auto files = listScans(folder);
+    const auto files = scansByFrame(folder / "velodyne");
+    if (files.empty())
+        throw InputError(folder.string() +
+                         ": is not a KITTI odometry folder: it has no velodyne/*.bin");
     const std::size_t frameCount = files.rbegin()->first + 1;
     const auto times = readTimes(folder, frameCount);
     ScanSourceOptions options = asked;
@@ -146,6 +127,7 @@ std::unique_ptr<ScanSource> openKitti(const fs::path& folder, const ScanSourceOp
         recording.ownPoses = PoseSummary("file '" + options.posesFile + "'", own.size());
         options.poses = PoseOrigin::input;
     }
+    recording.isTimed = fs::exists(folder / "times.txt");
     for (const auto& [index, file] : files) {
         Frame frame{file, times[index], std::nullopt};
         if (!own.empty()) frame.T_map_robot = own[index];
@@ -160,10 +142,8 @@ std::unique_ptr<ScanSource> openTimedBins(const fs::path& folder,
     recording.path = folder.string();
     recording.label = "LIDAR";
     recording.read = readScan;
-    for (const auto& file : listFrames(folder, {".bin"})) {
-        const auto time = timeOfName(file.stem().string());
-        recording.frames.push_back({file, time.value_or(Trajectory::Time()), std::nullopt});
-    }
+    addNamedFrames(listFrames(folder, {".bin"}), recording);
+    refuseTwins(recording);
     return makeFrameSource(std::move(recording), options);
 }
 

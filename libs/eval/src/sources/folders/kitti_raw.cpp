@@ -5,12 +5,12 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <superray/eval/input_error.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <cstring>
 #include <ctime>
 #include <utility>
 
+#include "sources/clock_time.h"
 #include "sources/folders/frame_source.h"
 #include "sources/folders/kitti_files.h"
 #include "sources/poses/matrix_pose.h"
@@ -23,21 +23,50 @@ namespace fs = std::filesystem;
 using Eigen::Isometry3d;
 using mrpt::poses::CPose3D;
 
-/// "2011-09-26 13:02:25.951199337", in UTC, a line each.
+/// "2011-09-26 13:02:25.951199337", in UTC; nothing for other texts.
+std::optional<Trajectory::Time> timeOfText(const std::string& text) {
+    constexpr char kForm[] = "dddd-dd-dd dd:dd:dd", kDigits[] = "0123456789";
+    constexpr std::size_t kLength = sizeof kForm - 1, kNanoDigits = 9;
+    if (text.size() < kLength) return std::nullopt;
+    for (std::size_t i = 0; i < kLength; ++i)
+        if (kForm[i] == 'd' ? std::strchr(kDigits, text[i]) == nullptr || text[i] == '\0'
+                            : text[i] != kForm[i])
+            return std::nullopt;
+    std::string fraction = text.substr(kLength);
+    if (!fraction.empty() && (fraction[0] != '.' || fraction.size() == 1 ||
+                              fraction.find_first_not_of(kDigits, 1) != std::string::npos))
+        return std::nullopt;
+    fraction = (fraction.empty() ? "" : fraction.substr(1)) + std::string(kNanoDigits, '0');
+    const auto number = [&](std::size_t at, std::size_t digits) {
+        return std::stoi(text.substr(at, digits));
+    };
+    std::tm date{};
+    date.tm_year = number(0, 4) - 1900;
+    date.tm_mon = number(5, 2) - 1;
+    date.tm_mday = number(8, 2);
+    date.tm_hour = number(11, 2);
+    date.tm_min = number(14, 2);
+    date.tm_sec = number(17, 2);
+    // A day that no calendar has becomes another one.
+    std::tm valid = date;
+    const std::time_t seconds = timegm(&valid);
+    if (date.tm_year < 70 || date.tm_year > 300 || valid.tm_mon != date.tm_mon ||
+        valid.tm_mday != date.tm_mday || valid.tm_hour != date.tm_hour ||
+        valid.tm_min != date.tm_min || valid.tm_sec != date.tm_sec)
+        return std::nullopt;
+    return timeOfStamp(seconds, std::stoi(fraction.substr(0, kNanoDigits)));
+}
+
+/// A time a line.
 std::vector<Trajectory::Time> readTimes(const fs::path& path) {
     std::vector<Trajectory::Time> times;
-    forEachLine(path, [&](const std::string& line, const std::string& where) {
-        std::tm date{};
-        double seconds = 0;
-        if (std::sscanf(line.c_str(), "%d-%d-%d %d:%d:%lf", &date.tm_year, &date.tm_mon,
-                        &date.tm_mday, &date.tm_hour, &date.tm_min, &seconds) != 6 ||
-            !(seconds >= 0 && seconds < 61) || date.tm_year < 1970 || date.tm_year > 2200 ||
-            std::max({date.tm_mon, date.tm_mday, date.tm_hour, date.tm_min}) > 60 ||
-            std::min({date.tm_mon, date.tm_mday, date.tm_hour, date.tm_min}) < 0)
-            throw InputError(where + ": must be a time, YYYY-MM-DD hh:mm:ss");
-        date.tm_year -= 1900;
-        date.tm_mon -= 1;
-        times.push_back(mrpt::Clock::fromDouble(static_cast<double>(timegm(&date)) + seconds));
+    forEachLine(path, [&](std::string line, const std::string& where) {
+        line.erase(line.find_last_not_of(" \t\r") + 1);
+        const auto time = timeOfText(line);
+        if (!time)
+            throw InputError(where + ": time '" + line +
+                             "' must be YYYY-MM-DD hh:mm:ss, with a point before decimals");
+        times.push_back(*time);
     });
     return times;
 }
@@ -56,15 +85,12 @@ Isometry3d poseOfOxts(const std::vector<double>& v, double scale) {
     return T;
 }
 
-/// By frame: the rows of the oxts files with these names.
-std::vector<std::optional<CPose3D>> readOxts(const fs::path& folder,
-                                             const std::vector<fs::path>& scans) {
-    std::vector<std::optional<CPose3D>> poses;
+/// Gives frames the poses of the oxts files with their names.
+void readOxts(const fs::path& folder, std::vector<Frame>& frames) {
     std::optional<Isometry3d> first;
     double scale = 1;
-    for (const auto& scan : scans) {
-        const fs::path file = folder / "oxts" / "data" / (scan.stem().string() + ".txt");
-        poses.emplace_back();
+    for (Frame& frame : frames) {
+        const fs::path file = folder / "oxts" / "data" / (frame.file.stem().string() + ".txt");
         if (!fs::exists(file)) continue;
         std::vector<double> row;
         forEachLine(file, [&](const std::string& line, const std::string& where) {
@@ -81,9 +107,8 @@ std::vector<std::optional<CPose3D>> readOxts(const fs::path& folder,
             scale = std::cos(row[0] * M_PI / 180);
             first = poseOfOxts(row, scale);
         }
-        poses.back() = toPose(first->inverse() * poseOfOxts(row, scale));
+        frame.T_map_robot = toPose(first->inverse() * poseOfOxts(row, scale));
     }
-    return poses;
 }
 
 /// Rows 'R:' and 'T:' of calib_imu_to_velo.txt, beside the drive or one level up.
@@ -116,25 +141,28 @@ CPose3D velodyneOnImu(const fs::path& folder) {
 std::unique_ptr<ScanSource> openKittiRaw(const fs::path& folder,
                                          const ScanSourceOptions& options) {
     const fs::path velodyne = folder / "velodyne_points";
-    const auto files = listFrames(velodyne / "data", {".bin"});
+    const auto files = scansByFrame(velodyne / "data");
     if (files.empty()) throwNoScans(folder.string(), options, {});
     const auto times = readTimes(velodyne / "timestamps.txt");
-    if (times.size() < files.size())
+    const std::size_t frames = files.rbegin()->first + 1;
+    if (times.size() < frames)
         throw InputError((velodyne / "timestamps.txt").string() + ": has " +
-                         std::to_string(times.size()) + " times for " +
-                         std::to_string(files.size()) + " scans");
+                         std::to_string(times.size()) + " times for " + std::to_string(frames) +
+                         " frames in velodyne_points/data/");
     FrameRecording recording;
     recording.path = folder.string();
     recording.label = "VELODYNE";
-    std::vector<std::optional<CPose3D>> poses(files.size());
+    for (const auto& [number, file] : files) {
+        Frame frame{file, times[number], std::nullopt};
+        frame.row = number;
+        recording.frames.push_back(frame);
+    }
     CPose3D sensorPose;
     if (options.poses == PoseOrigin::input) {
-        poses = readOxts(folder, files);
+        readOxts(folder, recording.frames);
         sensorPose = velodyneOnImu(folder);
-        recording.ownPoses = PoseSummary("oxts", poses.size());
+        recording.ownPoses = PoseSummary("oxts", files.size());
     }
-    for (std::size_t i = 0; i < files.size(); ++i)
-        recording.frames.push_back({files[i], times[i], poses[i]});
     recording.read = [sensorPose](const Frame& frame) -> mrpt::obs::CObservation::Ptr {
         auto observation = mrpt::obs::CObservationPointCloud::Create();
         observation->sensorPose = sensorPose;

@@ -22,14 +22,9 @@ CPose3D opticalFrame() {
     return CPose3D(0, 0, 0, -M_PI / 2, 0, -M_PI / 2);
 }
 
-struct DepthFile {
-    Trajectory::Time time;
-    fs::path file;
-};
-
 /// Rows of a time (or number) and a file, the first pair of a row that names depth.
-std::vector<DepthFile> readList(const fs::path& folder, const fs::path& list) {
-    std::vector<DepthFile> files;
+void readList(const fs::path& folder, const fs::path& list, FrameRecording& recording) {
+    recording.isTimed = false;
     forEachLine(list, [&](const std::string& line, const std::string& where) {
         std::istringstream row(line);
         std::string stamp, file, found, foundStamp;
@@ -41,18 +36,19 @@ std::vector<DepthFile> readList(const fs::path& folder, const fs::path& list) {
         const auto time = timeOfName(foundStamp);
         if (found.empty() || !time)
             throw InputError(where + ": must be rows of a time and a file in depth/");
-        files.push_back({*time, folder / found});
+        Frame frame;
+        frame.file = folder / found;
+        frame.time = *time;
+        frame.row = frameNumber(foundStamp);
+        recording.isTimed = recording.isTimed || !frame.row;
+        recording.frames.push_back(frame);
     });
-    return files;
 }
 
-std::vector<DepthFile> listDepth(const fs::path& folder) {
+void listDepth(const fs::path& folder, FrameRecording& recording) {
     for (const char* name : {"associations.txt", "associated.txt", "depth.txt"})
-        if (fs::exists(folder / name)) return readList(folder, folder / name);
-    std::vector<DepthFile> files;
-    for (const auto& file : listFrames(folder / "depth", {".png"}))
-        files.push_back({timeOfName(file.stem().string()).value_or(Trajectory::Time()), file});
-    return files;
+        if (fs::exists(folder / name)) return readList(folder, folder / name, recording);
+    addNamedFrames(listFrames(folder / "depth", {".png"}), recording);
 }
 
 /// groundtruth.txt, or ICL-NUIM's *.gt.freiburg.
@@ -87,8 +83,8 @@ std::unique_ptr<ScanSource> openRgbd(const fs::path& folder, const ScanSourceOpt
     FrameRecording recording;
     recording.path = folder.string();
     recording.label = "DEPTH";
-    for (const DepthFile& depth : listDepth(folder))
-        recording.frames.push_back({depth.file, depth.time, std::nullopt});
+    listDepth(folder, recording);
+    refuseTwins(recording);
     if (recording.frames.empty()) throwNoScans(folder.string(), asked, {});
     ScanSourceOptions options = asked;
     if (options.poses == PoseOrigin::input) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstring>
 #include <initializer_list>
 #include <set>
 
@@ -51,10 +52,11 @@ bool hasAny(const std::string& text, std::initializer_list<const char*> parts) {
 /// "q_RS_w" and "pose.position.x" are such names, "index" and "by" are none.
 std::string partOf(const std::string& name) {
     const std::string lower = lowerCase(name);
-    for (const std::string angle : {"yaw", "pitch", "roll"})
-        if (lower.size() >= angle.size() &&
-            lower.compare(lower.size() - angle.size(), angle.size(), angle) == 0)
+    for (const char* angle : {"yaw", "pitch", "roll"}) {
+        const std::size_t length = std::strlen(angle);
+        if (lower.size() >= length && lower.compare(lower.size() - length, length, angle) == 0)
             return angle;
+    }
     const char axis = lower.back();
     if (axis < 'w' || axis > 'z') return {};
     const std::string kind = lower.substr(0, lower.size() - 1);
@@ -67,7 +69,7 @@ std::string partOf(const std::string& name) {
 
 /// The same, with axes of rotations told from those of places: "qx", "rx".
 std::string fullPartOf(const std::string& name) {
-    const std::string part = partOf(name), lower = lowerCase(name);
+    std::string part = partOf(name), lower = lowerCase(name);
     if (part.size() != 1) return part;
     if (lower == "r" + part) return lower;
     const bool isQuaternion =
