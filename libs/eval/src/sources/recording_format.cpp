@@ -167,8 +167,9 @@ void checkDepthCamera(const DepthCamera& camera) {
     const char* const kLength = ": must be finite and > 0";
     require(isLength(camera.fx), "--intrinsics fx", camera.fx, kLength);
     require(isLength(camera.fy), "--intrinsics fy", camera.fy, kLength);
-    require(isLength(camera.cx), "--intrinsics cx", camera.cx, kLength);
-    require(isLength(camera.cy), "--intrinsics cy", camera.cy, kLength);
+    // Beside the image, too: a part of a larger one.
+    require(std::isfinite(camera.cx), "--intrinsics cx", camera.cx, ": must be finite");
+    require(std::isfinite(camera.cy), "--intrinsics cy", camera.cy, ": must be finite");
     require(isLength(camera.unitsPerMetre), "--depth-units", camera.unitsPerMetre, kLength);
 }
 
