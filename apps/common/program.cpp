@@ -83,7 +83,8 @@ void checkFiles(const CLI::App& command) {
 
 /// Counts are digits and numbers are numbers by now: what CLI11 cannot convert is too large.
 std::string describe(const CLI::ConversionError& error) {
-    const std::string text = error.what(), prefix = "Could not convert: ";
+    const std::string prefix = "Could not convert: ";
+    std::string text = error.what();
     if (text.rfind(prefix, 0) != 0) return text;
     return shortened(text.substr(prefix.size())) + ": is out of range";
 }
