@@ -283,6 +283,32 @@ TYPED_TEST(PointsWindow, PointsAndLikelihoodFollow) {
     EXPECT_GT(map.size(), 20u);
 }
 
+// The window is around the sensor, also where rays begin elsewhere: at a band of heights below.
+TEST(WindowOfABand, IsAroundTheSensorWhateverReturnIsFirst) {
+    const auto insert = [](CSuperRayMapBase<2>& map, const std::vector<Eigen::Vector3f>& ends) {
+        const auto scan = mrpt::obs::CObservationPointCloud::Create();
+        const auto cloud = mrpt::maps::CSimplePointsMap::Create();
+        for (const auto& p : ends) cloud->insertPoint(p.x(), p.y(), p.z());
+        scan->pointcloud = cloud;
+        ASSERT_TRUE(map.insertObservation(*scan, mrpt::poses::CPose3D(0, 0, 2, 0, 0, 0)));
+    };
+    const Eigen::Vector3f grazing(20, 0, -1.1f), near(-1, 0, -1.5f);
+    std::set<std::string> digests;
+    for (const auto& ends : {std::vector{grazing, near}, std::vector{near, grazing}}) {
+        CSuperRayGridMap2D map(0.1);
+        map.insertionOptions.windowRadius = 5;
+        map.insertionOptions.heightBandMin = 0;
+        map.insertionOptions.heightBandMax = 1;
+        insert(map, {{1, 0, -1.5f}, {0, 1, -1.5f}});
+        insert(map, ends);
+        EXPECT_TRUE(map.occupancyAt({1, 0, 0})) << "of the first scan";
+        EXPECT_TRUE(map.occupancyAt({-1, 0, 0}));
+        EXPECT_FALSE(map.occupancyAt({20, 0, 0}));
+        digests.insert(map.digest());
+    }
+    EXPECT_EQ(digests.size(), 1u);
+}
+
 // In short: superray-bench soak.
 TEST(Soak, MemoryAfterThreeLapsIsThatAfterOne) {
     for (const auto& className : mapClassNames()) {

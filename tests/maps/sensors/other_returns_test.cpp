@@ -256,6 +256,37 @@ TEST(ToRays, RangesAreLimitedAndBadPointsCounted) {
     EXPECT_EQ(unlimited.skipped.outOfRange, 1u);
 }
 
+// The map's window is around the common origin, and a first ray that starts where no cell is
+// must not cost the others.
+TEST(ToRays, TheCommonOriginIsTheSensorNotWhereTheFirstRayEntersTheBand) {
+    const Eigen::Vector3f near(-1, 0, -1.5f), grazing(50000, 0, -1.001f);
+    TInsertionOptions options;
+    options.heightBandMin = 0;
+    options.heightBandMax = 1;
+    const mrpt::poses::CPose3D pose(0.5, 0, 2, 0, 0, 0);
+    for (const bool nearFirst : {true, false}) {
+        SensorReturns returns;
+        returns.hits = {near, grazing};
+        if (!nearFirst) std::swap(returns.hits[0], returns.hits[1]);
+        const auto expectSensor = [&](const RayBundle<2>& rays,
+                                      const TInsertionReport& report) {
+            EXPECT_EQ(rays.commonOrigin(), Point<2>(0.5, 0));
+            ASSERT_EQ(rays.size(), 1u);
+            EXPECT_NEAR(rays.end(0).x(), -0.5, 1e-6);
+            EXPECT_EQ(report.skipped.outOfRange, 1u);
+        };
+        TInsertionReport report, along;
+        expectSensor(toRays(returns, pose, CellGeometry<2>(0.1), options, report), report);
+        expectSensor(toRaysAlong(
+                         returns, {},
+                         [&](mrpt::Clock::time_point) {
+                             return std::optional<mrpt::poses::CPose3D>(pose);
+                         },
+                         CellGeometry<2>(0.1), options, along),
+                     along);
+    }
+}
+
 TEST(ToRays, ASensorOutOfRangeIsAnError) {
     SensorReturns returns;
     returns.hits = {{1, 0, 0}};

@@ -194,11 +194,6 @@ RayBundle<Dim> toRays(const SensorReturns& returns, const mrpt::poses::CPose3D& 
         returns, geometry, options, report, [&](float) { return &T_map_sensor; },
         [&](const Eigen::Vector3d& from, const Eigen::Vector3d& p_map, RayEnd kind) {
             const Point<Dim> origin = from.template head<Dim>();
-            // The common origin is that of the first ray: most rays often share it.
-            if (rays.empty() && batch.empty() && origin != rays.commonOrigin()) {
-                report.skipped += rays.skipped();
-                rays.restart(origin);
-            }
             const bool ownOrigin = origin != rays.commonOrigin();
             if (kind == RayEnd::hit && !ownOrigin) {
                 batch.push_back(p_map.template head<Dim>());
@@ -222,18 +217,22 @@ RayBundle<Dim> toRaysAlong(const SensorReturns& returns, mrpt::Clock::time_point
                            const TInsertionOptions& options, TInsertionReport& report) {
     MovingSensor sensor(returns, timestamp, T_map_robot);
     const RangeLimits limits = bundleLimits(returns, geometry, options);
-    // The common origin is that of the first ray that has a pose.
+    // The common origin is where the sensor is at the first measurement that has a pose. (Rays
+    // may begin elsewhere, where they come into the height band.)
+    std::optional<Point<Dim>> first;
     std::optional<RayBundle<Dim>> rays;
     forEachRay(
         returns, geometry, options, report,
         [&](float seconds) {
             report.timedRays += seconds != 0;
-            return sensor.at(seconds);
+            const Transform* const T_map_sensor = sensor.at(seconds);
+            if (!first && T_map_sensor) first = T_map_sensor->t.template head<Dim>();
+            return T_map_sensor;
         },
         [&](const Eigen::Vector3d& from, const Eigen::Vector3d& p_map, RayEnd kind) {
             const Point<Dim> origin = from.template head<Dim>();
             if (!rays) {
-                rays.emplace(geometry, origin, limits);
+                rays.emplace(geometry, *first, limits);
                 rays->reserve(returns.hits.size() + returns.noReturns.size());
             }
             rays->add(origin, p_map.template head<Dim>(), kind);
