@@ -12,15 +12,6 @@
 namespace superray {
 namespace {
 
-/// What is written beside an output; empty: nothing.
-std::string companionOf(const std::string& output, const SuperRayMapInterface& map) {
-    std::filesystem::path path(output);
-    if (path.extension() == ".yaml") return path.replace_extension(".pgm");
-    if (path.extension() == ".png" && map.dimension() == 2)
-        return path.replace_extension(".yaml");
-    return {};
-}
-
 /// \param asked the options of pictures that are given, e.g. "--width, --height"
 void checkPictureOptions(const std::string& asked, const std::string& output,
                          const SuperRayMapInterface& map) {
@@ -79,8 +70,7 @@ Command declareExport(CLI::App& app) {
         const auto map = loadMap(arguments->map);
         const auto& info = dynamic_cast<const SuperRayMapInterface&>(*map);
         checkPictureOptions(asked, output, info);
-        const std::string companion = companionOf(output, info);
-        if (!companion.empty()) checkOutputsApart({arguments->map}, {output, companion});
+        checkOutputsApart({arguments->map}, filesOfExport(info, output));
         exportMap(info, output, arguments->picture);
         std::cout << describeOutput(arguments->output) << "\n";
         return int{kSuccess};

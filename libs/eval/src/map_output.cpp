@@ -110,6 +110,15 @@ void checkOutputsApart(const std::vector<std::string>& inputs,
     }
 }
 
+std::vector<std::string> filesOfExport(const SuperRayMapInterface& map,
+                                       const std::string& path) {
+    fs::path beside(path);
+    if (beside.extension() == ".yaml") return {path, beside.replace_extension(".pgm")};
+    if (beside.extension() == ".png" && map.dimension() == 2)
+        return {path, beside.replace_extension(".yaml")};
+    return {path};
+}
+
 void exportMap(const SuperRayMapInterface& map, const std::string& path,
                const PictureOptions& picture) {
     checkOutputPath(path, kExportExtensions);

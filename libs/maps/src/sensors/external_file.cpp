@@ -11,6 +11,7 @@
 
 #include "sensors/external_input.h"
 #include "sensors/range_scan_file.h"
+#include "sensors/text_matrix.h"
 
 namespace superray {
 namespace {

@@ -3,13 +3,14 @@
 
 #include <mrpt/math/CMatrixF.h>
 #include <mrpt/serialization/CArchive.h>
+#include <superray/maps/option_text.h>
 
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 
 #include "sensors/external_input.h"
+#include "sensors/text_matrix.h"
 
 namespace superray {
 namespace {
@@ -17,9 +18,7 @@ namespace {
 using mrpt::obs::CObservation3DRangeScan;
 
 bool isText(const std::string& path) {
-    std::string end = std::filesystem::path(path).extension().string();
-    for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return end == ".txt";
+    return equalIgnoringCase(std::filesystem::path(path).extension().string(), ".txt");
 }
 
 /// Before the pixels are read: an image of another size is of no use.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "sensors/text_matrix.h"
+
 #include <cstdlib>
 #include <cstring>
-
-#include "sensors/external_input.h"
+#include <stdexcept>
+#include <string>
 
 namespace superray {
 namespace {

@@ -22,6 +22,10 @@ void checkOutputPath(const std::string& path, const std::vector<std::string>& ex
 void checkOutputsApart(const std::vector<std::string>& inputs,
                        const std::vector<std::string>& outputs);
 
+/// The files that exportMap() writes: `path`, and what belongs beside it.
+std::vector<std::string> filesOfExport(const SuperRayMapInterface& map,
+                                       const std::string& path);
+
 /// Writes a map in the format of the extension: .bt, .ot (OctoMap, 3D), .ply,
 /// .3Dscene (MRPT), .png (picture; of a 2D map with a .yaml beside it), .yaml (2D; with a
 /// .pgm beside it, for map_server and nav2) or .gridmap (2D; MRPT), by the rules of

@@ -245,10 +245,11 @@ void refuseTwins(const FrameRecording& recording) {
         const auto named = byName.emplace(fs::path(f.file).replace_extension(), f.file);
         if (f.time != Trajectory::Time()) {
             const auto timed = byTime.emplace(f.time, f.file);
-            char seconds[40];
-            std::snprintf(seconds, sizeof seconds, "%.3f", mrpt::Clock::toDouble(f.time));
-            if (!timed.second)
+            if (!timed.second) {
+                char seconds[40];
+                std::snprintf(seconds, sizeof seconds, "%.3f", mrpt::Clock::toDouble(f.time));
                 fail(std::string("time, ") + seconds + " s", timed.first->second, f.file);
+            }
         }
         if (!named.second) fail("name", named.first->second, f.file);
     }
