@@ -214,6 +214,55 @@ TYPED_TEST(InsertionFailure, OfACopyLeavesTheOriginalForARetry) {
     EXPECT_EQ(test::occupancyOf(map).digest(), test::occupancyOf(undisturbed).digest());
 }
 
+template <class Map>
+class MergeFailure : public ::testing::Test {};
+using OccupancyMaps = ::testing::Types<CSuperRayGridMap2D, CSuperRayQuadMap, CSuperRayGridMap3D,
+                                       CSuperRayOctoMap>;
+TYPED_TEST_SUITE(MergeFailure, OccupancyMaps);
+
+// Log-odds are added, so a part that is merged twice is wrong.
+TYPED_TEST(MergeFailure, LeavesTheMapForARetry) {
+    TypeParam other(0.2);
+    other.insertObservation(*test::randomCloud(120, 2), CPose3D(0.7, 0.2, 0, 0.4, 0, 0));
+    const auto made = [] {
+        auto map = std::make_unique<TypeParam>(0.2);
+        map->insertObservation(*test::randomCloud(40, 1), CPose3D());
+        expectDerivedAgrees(*map);
+        return map;
+    };
+    const auto undisturbed = made();
+    const std::string before = undisturbed->digest();
+    test::allocations.asked = 0;
+    undisturbed->merge(other, CPose3D());
+    const int needed = test::allocations.asked;
+    const std::string after = undisturbed->digest();
+    ASSERT_NE(before, after);
+    ASSERT_GT(needed, 10);
+
+    int failures = 0;
+    for (int allowed = 0; allowed < needed; ++allowed) {
+        SCOPED_TRACE("allocation " + std::to_string(allowed));
+        const auto map = made();
+        test::allocations.allowed = allowed;
+        bool threw = false;
+        try {
+            map->merge(other, CPose3D());
+        } catch (const std::bad_alloc&) {
+            threw = true;
+        }
+        test::allocations.allowed = -1;
+        if (threw) {
+            ++failures;
+            ASSERT_EQ(map->digest(), before);
+            expectDerivedAgrees(*map);
+            map->merge(other, CPose3D());
+        }
+        ASSERT_EQ(map->digest(), after);
+        expectDerivedAgrees(*map);
+    }
+    EXPECT_GT(failures, 10);
+}
+
 /// Cells of `before` that `now` does not know. The others must be as before, and `after` must
 /// not know these either: they are outside the window.
 template <int Dim>

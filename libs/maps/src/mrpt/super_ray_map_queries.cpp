@@ -102,20 +102,14 @@ void CSuperRayMapBase<Dim>::merge(const mrpt::maps::CMetricMap& other,
     const auto blocks =
         mergedBlocks<Dim>(*storage_, *from->storage_, T_map_other, sensorModel());
     if (blocks.empty()) return;
-    if (maxMegabytes_ != 0)
-        requireRoomFor(
-            [&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
-                for (const auto& block : blocks)
-                    visit({block.key, block.values.data(), block.known});
-            },
-            surfaceBytes(), "this merge");
+    const auto visitAll = [&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
+        for (const auto& block : blocks) visit({block.key, block.values.data(), block.known});
+    };
+    if (maxMegabytes_ != 0) requireRoomFor(visitAll, surfaceBytes(), "this merge");
     changes_.begin();
+    for (const auto& block : blocks) changes_.add(block.key);
     view_->forget();
-    OccupancyMap<Dim>& map = storage_.writable();
-    for (const auto& block : blocks) {
-        changes_.add(block.key);
-        map.setBlock({block.key, block.values.data(), block.known});
-    }
+    storage_.writable().setBlocks(visitAll);
 }
 
 #define SUPERRAY_INSTANTIATE(Dim)                                                              \

@@ -92,10 +92,19 @@ template <int Dim>
 void OccupancyMap<Dim>::apply(const CellCountMap<Dim>& counts, const SensorModel& model,
                               UpdatePolicy policy) {
     const WrittenBlockMap<Dim> blocks = writtenBlocks(*this, counts, model, policy);
-    for (const auto& entry : blocks) requireAddressableBlock<Dim>(entry.first);
+    setBlocks([&](const BlockVisitor& visit) { visitAll<Dim>(blocks, visit); });
+}
+
+template <int Dim>
+void OccupancyMap<Dim>::setBlocks(const WrittenBlocks& written) {
+    written([](const BlockView<Dim>& block) {
+        requireAddressableBlock<Dim>(block.key);
+        for (int i = 0; i < kBlockCells<Dim>; ++i)
+            if (block.known.test(i)) storedValue(block.values[i]);
+    });
     // Nothing fails after this.
-    keepRoomFor([&](const BlockVisitor& visit) { visitAll<Dim>(blocks, visit); });
-    visitAll<Dim>(blocks, [&](const BlockView<Dim>& block) { setBlock(block); });
+    keepRoomFor(written);
+    written([&](const BlockView<Dim>& block) { setBlock(block); });
 }
 
 template <int Dim>
@@ -123,6 +132,7 @@ unsigned OccupancyMap<Dim>::beginUpdate(const UpdateBatch<Dim>& batch, const Sen
         const;                                                                                 \
     template void OccupancyMap<Dim>::apply(const CellCountMap<Dim>&, const SensorModel&,       \
                                            UpdatePolicy);                                      \
+    template void OccupancyMap<Dim>::setBlocks(const WrittenBlocks&);                          \
     template unsigned OccupancyMap<Dim>::beginUpdate(                                          \
         const UpdateBatch<Dim>&, const SensorModel&, UpdatePolicy, unsigned);
 SUPERRAY_INSTANTIATE(2)

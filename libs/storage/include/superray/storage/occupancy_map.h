@@ -82,6 +82,11 @@ class OccupancyMap : public SaturationSource<Dim> {
     /// Sets the cells that `block` knows and leaves the others alone (loading a
     /// file, merging). \throws as setLogOdds(), and changes nothing then
     virtual void setBlock(const BlockView<Dim>& block) = 0;
+    /// The same for many blocks, each once: all, or none.
+    /// \param written visits the same blocks each time; it is asked several times
+    /// \throws as setLogOdds(), std::bad_alloc, std::length_error (more blocks or nodes than
+    /// a map can have), and changes nothing then
+    void setBlocks(const WrittenBlocks& written);
 
     /// Visits every block with a known cell, in unspecified order. Uniform
     /// regions of trees are visited block by block, at full resolution.
