@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/core/cell.h>
 
-#include <cmath>
+#include <charconv>
 #include <stdexcept>
-#include <string>
 
 namespace superray {
+
+std::string metresText(double metres) {
+    char text[32];
+    return std::string(text, std::to_chars(text, text + sizeof text, metres).ptr) + " m";
+}
 
 template <int Dim>
 CellGeometry<Dim>::CellGeometry(double resolution)
     : resolution_(resolution), inverse_(1.0 / resolution) {
-    if (!(std::isfinite(resolution) && resolution > 0 && std::isfinite(inverse_)))
-        throw std::invalid_argument("resolution = " + std::to_string(resolution) +
-                                    " m: must be finite and > 0");
+    if (isResolution(resolution)) return;
+    throw std::invalid_argument("resolution = " + metresText(resolution) + ": must be " +
+                                kResolutionRule);
 }
 
 template class CellGeometry<2>;

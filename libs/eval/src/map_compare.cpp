@@ -93,8 +93,8 @@ void expectSameGeometry(const LoadedMap& a, const LoadedMap& b) {
         a.roundedResolution || b.roundedResolution ? kRounding * a.resolution : 0;
     if (!(std::abs(a.resolution - b.resolution) <= tolerance))
         throw InputError("the maps cannot be compared: the resolution of " + a.path + " is " +
-                         std::to_string(a.resolution) + " m, of " + b.path + " " +
-                         std::to_string(b.resolution) + " m");
+                         metresText(a.resolution) + ", of " + b.path + " " +
+                         metresText(b.resolution));
 }
 
 }  // namespace

@@ -21,10 +21,6 @@ SuperRayMapInterface& interfaceOf(mrpt::maps::CMetricMap& map) {
     return dynamic_cast<SuperRayMapInterface&>(map);
 }
 
-bool startsWith(const std::string& text, const std::string& start) {
-    return text.compare(0, start.size(), start) == 0;
-}
-
 mrpt::maps::CMetricMap::Ptr fromConfig(const MapRequest& request) {
     if (request.section.empty())
         throw InputError(request.configFile +

@@ -151,6 +151,8 @@ TEST(OctomapFile, saysWhatIsWrong) {
         {magic + "id OcTree\nsize x\nres 0.1\ndata\n", "size x"},
         {magic + "id OcTree\nsize 0\nres 0\ndata\n", "resolution"},
         {magic + "id OcTree\nsize 0\nres -1\ndata\n", "resolution"},
+        {magic + "id OcTree\nsize 0\nres 1e-300\ndata\n", "from 1e-6 to 1e6 m"},
+        {magic + "id OcTree\nsize 0\nres 1e7\ndata\n", "from 1e-6 to 1e6 m"},
         {magic + "id OcTree\nsize 0\nres nan\ndata\n", "res"},
         {magic + "id OcTree\nsize 2\nres 0.1\ndata\n", "ends early"},
         {deep, "deeper than 16"},

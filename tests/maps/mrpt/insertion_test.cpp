@@ -317,7 +317,8 @@ TEST(Insertion, RaysOfTheCaller) {
     EXPECT_EQ(map.summary().occupied, 1u);
     EXPECT_EQ(*map.storage().logOdds({4, 0}), map.sensorModel().hit());
     const RayBundle<2> other(CellGeometry<2>(0.25), {0, 0});
-    EXPECT_THROW(map.insertRays(other), std::invalid_argument);
+    EXPECT_CONTAINS(test::messageOf([&] { map.insertRays(other); }),
+                    "rays made for cells of 0.25 m; must be 0.5 m");
 
     const std::string digest = map.digest();
     map.insertionOptions.windowRadius = std::nan("");

@@ -2,6 +2,7 @@
 #include <mrpt/config/CConfigFileMemory.h>
 #include <superray/maps/options.h>
 
+#include <random>
 #include <sstream>
 
 #include "maps/test_scans.h"
@@ -102,6 +103,40 @@ TEST(Options, SavingToAConfigFileAndLoadingGivesTheSame) {
     EXPECT_EQ(read.toText(), o.toText());
 }
 
+// A label is refused, or given back by a configuration file, its text and a saved map.
+TEST(Options, TextsAreRefusedOrKept) {
+    const std::vector<std::string> parts{
+        "a",   "B",       " ",        "#", ";", "/",  "//", "${a}",    "$",  "{", "}", "=",
+        "<<<", "$env{a}", "$eval{1}", "[", "]", "\"", "\\", "@define", "\t", ",", "%", "'"};
+    std::mt19937 random(7);
+    int kept = 0, refused = 0;
+    for (int i = 0; i < 20000; ++i) {
+        TMapOptions options;
+        std::string& label = options.insertion.sensorLabel;
+        for (auto n = 1 + random() % 5; n > 0; --n) label += parts[random() % parts.size()];
+        SCOPED_TRACE("label \"" + label + "\"");
+        try {
+            options.insertion.validate();
+        } catch (const std::invalid_argument&) {
+            ++refused;
+            continue;
+        }
+        ++kept;
+        CConfigFileMemory saved;
+        options.insertion.saveToConfigFile(saved, "s");
+        // As from a file: MRPT's parser sees the text.
+        const CConfigFileMemory file(saved.getContent());
+        TInsertionOptions loaded;
+        ASSERT_NO_THROW(loaded.loadFromConfigFile(file, "s"));
+        ASSERT_EQ(loaded.sensorLabel, label);
+        TMapOptions read;
+        ASSERT_NO_THROW(read.fromText(options.toText()));
+        ASSERT_EQ(read.insertion.sensorLabel, label);
+    }
+    EXPECT_GT(kept, 5000);
+    EXPECT_GT(refused, 2000);
+}
+
 TEST(Options, CommentsAndCaseOfKeysAreAccepted) {
     const CConfigFileMemory file(
         std::string("[s]\n"
@@ -143,9 +178,11 @@ struct BadLine {
 
 TEST(Options, BadValuesNameSectionKeyValueAndRule) {
     const std::vector<BadLine> lines{
-        {"creationOpts", "resolution", "0", "resolution > 0"},
-        {"creationOpts", "resolution", "-0.1", "resolution > 0"},
-        {"creationOpts", "resolution", "nan", "resolution > 0"},
+        {"creationOpts", "resolution", "0", "1e-6 <= resolution"},
+        {"creationOpts", "resolution", "-0.1", "1e-6 <= resolution"},
+        {"creationOpts", "resolution", "nan", "1e-6 <= resolution"},
+        {"creationOpts", "resolution", "1e-310", "1e-6 <= resolution"},
+        {"creationOpts", "resolution", "1e300", "resolution <= 1e6"},
         {"creationOpts", "resolution", "0.1m", "must be a number"},
         {"creationOpts", "lazy_load_path", "/no/such/folder", "must be a folder"},
         {"creationOpts", "reserve_megabytes", "1048577", "reserve_megabytes <= 1048576"},
@@ -179,7 +216,7 @@ TEST(Options, BadValuesNameSectionKeyValueAndRule) {
         {"likelihoodOpts", "decimation", "0", "decimation >= 1"},
         {"renderOpts", "colour", "red", "height or occupancy"},
     };
-    ASSERT_EQ(lines.size(), 35u);
+    ASSERT_EQ(lines.size(), 37u);
     for (const auto& line : lines) {
         const CConfigFileMemory file("[m_" + std::string(line.section) + "]\n" + line.key +
                                      " = " + line.value + "\n");

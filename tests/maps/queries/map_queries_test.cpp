@@ -134,6 +134,9 @@ TYPED_TEST(MapQueries, NearestObstacleAtTheBorderOfTheAddressableCells) {
         EXPECT_FALSE(map.nearestObstacle(p, std::abs(offset) - 0.06));
         EXPECT_TRUE(map.nearestObstacle(p, std::abs(offset)));
     }
+    EXPECT_TRUE(map.nearestObstacle({1e140, -1e140, 0}, all));
+    // Squares of such distances are no doubles.
+    EXPECT_FALSE(map.nearestObstacle({1e300, 0, 0}, all));
     EXPECT_FALSE(map.nearestObstacle({all, 0, 0}, all));
 }
 
@@ -228,6 +231,22 @@ TYPED_TEST(MapQueries, RaysMeetTheFirstCellOfTheirLine) {
     EXPECT_GT(ends[RayCastEnd::hit], 20u);
     EXPECT_GT(ends[RayCastEnd::unknown], 20u);
     EXPECT_GT(ends[RayCastEnd::nothing], 20u);
+}
+
+TYPED_TEST(MapQueries, DirectionsOfAnyLengthAreTheSame) {
+    for (const Eigen::Vector3d& direction :
+         {Eigen::Vector3d(1, 0.5, 0.25), Eigen::Vector3d(-0.3, 1, 0.1)}) {
+        const auto cast = [&](double length) {
+            return this->map_.castRay({0, 0, 0}, length * direction, 20, UnknownCells::pass);
+        };
+        const RayCastResult expected = cast(1);
+        for (const double length : {1e-310, 1e-200, 1e-5, 3.0, 1e200, 1e308}) {
+            const RayCastResult result = cast(length);
+            EXPECT_EQ(result.end, expected.end) << length;
+            EXPECT_EQ(result.cellCenter, expected.cellCenter) << length;
+            EXPECT_NEAR(result.distance, expected.distance, 1e-9) << length;
+        }
+    }
 }
 
 TYPED_TEST(MapQueries, RaysWithoutEndStopAtTheBorder) {

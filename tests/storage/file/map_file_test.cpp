@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <fstream>
 
@@ -100,6 +101,17 @@ TEST_F(MapFileOnDisk, FailedSaveLeavesTheOldFile) {
     EXPECT_THROW(saveMapFile(path, header, larger), MapFileError);
     ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
     std::signal(SIGXFSZ, handler);
+    expectIntact();
+}
+
+TEST_F(MapFileOnDisk, UnusableResolutionsAreRefused) {
+    saveMapFile(path, header, cells);
+    for (const double resolution : {0.0, -1.0, 1e-310, 9e-7, 1.1e6, 1e300, std::nan("")}) {
+        MapFileHeader wrong = header;
+        wrong.resolution = resolution;
+        EXPECT_THROW(saveMapFile(path, wrong, cells), MapFileError) << resolution;
+        EXPECT_THROW(CellGeometry<3>{resolution}, std::invalid_argument) << resolution;
+    }
     expectIntact();
 }
 

@@ -75,7 +75,7 @@ Laps lapsOf(const PointScans& scans, const SoakRequest& request) {
     laps.mostLaps = std::floor(reach / laps.step.norm());
     if (laps.mostLaps < 1)
         throw InputError(request.data + ": too large to be driven along twice with cells of " +
-                         std::to_string(request.resolution) + " m");
+                         metresText(request.resolution));
     return laps;
 }
 

@@ -24,10 +24,6 @@ std::string nameIn(const std::string& text) {
     return name;
 }
 
-bool startsWith(const std::string& text, const std::string& start) {
-    return text.compare(0, start.size(), start) == 0;
-}
-
 bool isComment(const std::string& name) {
     return !name.empty() && (name[0] == '#' || name[0] == ';' || startsWith(name, "//"));
 }

@@ -117,8 +117,8 @@ Header readHeader(Bytes& bytes) {
     header.hasColours = id == "ColorOcTree";
     if (id != "OcTree" && !header.hasColours)
         bytes.fail("its tree type is '" + id + "', not 'OcTree' or 'ColorOcTree'");
-    if (!(std::isfinite(header.resolution) && header.resolution > 0))
-        bytes.fail("its resolution must be a finite number > 0");
+    if (!isResolution(header.resolution))
+        bytes.fail("its resolution must be " + std::string(kResolutionRule));
     return header;
 }
 

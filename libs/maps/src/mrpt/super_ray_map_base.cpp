@@ -107,8 +107,8 @@ bool CSuperRayMapBase<Dim>::changeResolution(double metres) {
     if (metres == resolution()) return false;
     if (!isEmpty())
         throw std::logic_error(shortClassName() + ": the resolution of a map with contents (" +
-                               std::to_string(resolution()) + " m) cannot be changed to " +
-                               std::to_string(metres) + " m; clear() it first");
+                               metresText(resolution()) + ") cannot be changed to " +
+                               metresText(metres) + "; clear() it first");
     storage_ = makeEmptyStorage(metres);
     contentsChanged();
     return true;

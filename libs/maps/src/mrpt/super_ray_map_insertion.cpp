@@ -152,8 +152,8 @@ template <int Dim>
 void CSuperRayMapBase<Dim>::insertRays(const RayBundle<Dim>& rays) {
     if (rays.geometry().resolution() != resolution())
         throw std::invalid_argument(shortClassName() + ": rays made for cells of " +
-                                    std::to_string(rays.geometry().resolution()) +
-                                    " m; must be " + std::to_string(resolution()) + " m");
+                                    metresText(rays.geometry().resolution()) + "; must be " +
+                                    metresText(resolution()));
     insertionOptions.validate();
     TInsertionReport report;
     report.skipped = rays.skipped();

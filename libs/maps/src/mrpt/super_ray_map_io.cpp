@@ -153,10 +153,9 @@ void CSuperRayMapBase<Dim>::loadWithin(const std::string& path, std::uint32_t bo
         read.creation.resolution = file.header.resolution;
         read.fromText(file.header.options);
         if (read.creation.resolution != file.header.resolution)
-            throw std::invalid_argument(
-                "resolution " + std::to_string(read.creation.resolution) +
-                " m in the options, but " + std::to_string(file.header.resolution) +
-                " m in the header");
+            throw std::invalid_argument("resolution " + metresText(read.creation.resolution) +
+                                        " in the options, but " +
+                                        metresText(file.header.resolution) + " in the header");
         read.creation.validate();
     } catch (const std::invalid_argument& e) {
         throw MapFileError(path + ": " + e.what());

@@ -72,10 +72,18 @@ std::string formatValue(std::uint32_t value) {
 }
 
 std::string formatValue(const std::string& value) {
+    const auto refuse = [&](const char* rule) {
+        throw std::invalid_argument("\"" + shortened(value) + "\": a text option must " + rule);
+    };
     if (std::any_of(value.begin(), value.end(),
                     [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); }))
-        throw std::invalid_argument("\"" + shortened(value) +
-                                    "\": a text option must have no control character");
+        refuse("have no control character");
+    // What a configuration file would not give back.
+    if (value != trimmed(value)) refuse("not begin or end with a blank");
+    if (value != withoutComment(value)) refuse("not begin a comment (#, ; or //)");
+    for (const char* command : {"${", "$env{", "$eval{", "@define"})
+        if (value.find(command) != std::string::npos)
+            refuse("have none of ${, $env{, $eval{ and @define, which MRPT replaces");
     return value;
 }
 
@@ -181,6 +189,10 @@ bool equalIgnoringCase(const std::string& a, const std::string& b) {
     return a.size() == b.size() &&
            std::equal(a.begin(), a.end(), b.begin(),
                       [](char x, char y) { return lower(x) == lower(y); });
+}
+
+bool startsWith(const std::string& text, const std::string& start) {
+    return text.compare(0, start.size(), start) == 0;
 }
 
 StrictSection::StrictSection(const mrpt::config::CConfigFileBase& source,

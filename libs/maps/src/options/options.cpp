@@ -86,8 +86,7 @@ void TCreationOptions::saveToConfigFile(mrpt::config::CConfigFileBase& target,
     writeSection(*this, target, section);
 }
 void TCreationOptions::validate() const {
-    require(std::isfinite(resolution) && resolution > 0, "resolution", resolution,
-            "resolution > 0");
+    require(isResolution(resolution), "resolution", resolution, "1e-6 <= resolution <= 1e6");
     require(reserve_megabytes <= kMostMegabytes, "reserve_megabytes", reserve_megabytes,
             "reserve_megabytes <= 1048576");
     require(max_memory_megabytes <= kMostMegabytes, "max_memory_megabytes",
@@ -95,6 +94,8 @@ void TCreationOptions::validate() const {
     require(max_memory_megabytes == 0 || reserve_megabytes <= max_memory_megabytes,
             "reserve_megabytes", reserve_megabytes,
             "reserve_megabytes <= max_memory_megabytes");
+    formatValue(load_from);
+    formatValue(lazy_load_path);
     if (!lazy_load_path.empty() && !std::filesystem::is_directory(lazy_load_path))
         throw std::invalid_argument("lazy_load_path = " + shortened(lazy_load_path) +
                                     ": must be a folder that exists");

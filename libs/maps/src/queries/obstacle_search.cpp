@@ -55,7 +55,8 @@ std::optional<NearestObstacle> findNearestObstacle(
     const Point<Dim>& point, double maxDistance) {
     using Field = DistanceField<Dim>;
     const auto& geometry = source.map.geometry();
-    if (!point.allFinite()) return std::nullopt;
+    constexpr double kFarthest = 1e150;  // [m], its square is finite
+    if (!point.allFinite() || point.cwiseAbs().maxCoeff() > kFarthest) return std::nullopt;
     const bool hasCell = geometry.contains(point);
     Cell<Dim> own{};
     std::optional<Cell<Dim>> cell;

@@ -54,11 +54,11 @@ RayCastResult castRay(const OccupancyMap<Dim>& map, float occupied, const Point<
     const auto& geometry = map.geometry();
     if (!geometry.contains(origin))
         throw std::invalid_argument("ray: the origin must be in the addressable range");
-    const double norm = direction.norm();
-    if (!(norm > 0) || !std::isfinite(norm))
+    if (!direction.allFinite() || direction.isZero(0))
         throw std::invalid_argument("ray: the direction must be finite and not zero");
     if (!(maxRange > 0)) throw std::invalid_argument("ray: the maximum range must be > 0");
-    const Point<Dim> unit = direction / norm;
+    // The squares of its coordinates may be more, or less, than a double can hold.
+    const Point<Dim> unit = (direction / direction.cwiseAbs().maxCoeff()).normalized();
     const double range = rangeToBorder(geometry, origin, unit, maxRange);
     const Point<Dim> end = origin + range * unit;
 

@@ -184,8 +184,8 @@ void decodeInto(const std::uint8_t* data, std::size_t size, OccupancyMap<Dim>& m
         fail("dimension " + std::to_string(h.dimension) + " for a map of dimension " +
              std::to_string(Dim));
     if (h.resolution != map.geometry().resolution())
-        fail("resolution " + std::to_string(h.resolution) + " for a map of resolution " +
-             std::to_string(map.geometry().resolution()));
+        fail("resolution " + metresText(h.resolution) + " for a map of resolution " +
+             metresText(map.geometry().resolution()));
     if (const auto bytes = memoryOf<Dim>(h); bytes > limits.mapBytes)
         fail(std::to_string(h.blocks) + " blocks need up to " + std::to_string(bytes) +
              " bytes of memory, the limit is " + std::to_string(limits.mapBytes) +

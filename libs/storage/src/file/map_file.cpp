@@ -17,7 +17,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
@@ -36,9 +35,8 @@ std::optional<std::string> problemOf(const MapFileHeader& h) {
     if (h.className.empty()) return "the class name is empty";
     if (h.dimension != 2 && h.dimension != 3)
         return "dimension " + std::to_string(h.dimension) + " is not 2 or 3";
-    if (!(std::isfinite(h.resolution) && h.resolution > 0))
-        return "resolution " + std::to_string(h.resolution) + " is not finite and > 0";
-    return std::nullopt;
+    if (isResolution(h.resolution)) return std::nullopt;
+    return "resolution " + metresText(h.resolution) + " is not " + kResolutionRule;
 }
 
 /// Checksum of a section: its tag, length and contents.

@@ -46,8 +46,8 @@ template <int Dim>
 void requireSameResolution(const OccupancyMap<Dim>& a, const OccupancyMap<Dim>& b) {
     if (a.geometry().resolution() != b.geometry().resolution())
         throw std::invalid_argument(
-            "maps of different resolution: " + std::to_string(a.geometry().resolution()) +
-            " and " + std::to_string(b.geometry().resolution()));
+            "maps of different resolution: " + metresText(a.geometry().resolution()) + " and " +
+            metresText(b.geometry().resolution()));
 }
 
 }  // namespace superray

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace superray {
 
@@ -22,6 +23,17 @@ using Cell = std::array<std::int32_t, static_cast<std::size_t>(Dim)>;
 /// 16-bit key range, shared by every storage type so that results are equal.
 inline constexpr std::int32_t kCellLimit = 32768;
 
+/// Edges that cells may have [m]: far from where what is computed from them overflows.
+inline constexpr double kFinestResolution = 1e-6, kCoarsestResolution = 1e6;
+inline constexpr const char* kResolutionRule = "from 1e-6 to 1e6 m";
+
+inline bool isResolution(double metres) {
+    return metres >= kFinestResolution && metres <= kCoarsestResolution;  // NaN is not
+}
+
+/// E.g. "0.1 m": the shortest text that tells the number from all others.
+std::string metresText(double metres);
+
 /// floor() to an integer without a library call (x86-64's baseline has no
 /// rounding instruction). \pre |x| < 2^62
 inline std::int64_t floorToInt(double x) {
@@ -34,7 +46,7 @@ template <int Dim>
 class CellGeometry {
  public:
     /// \param resolution cell edge [m]
-    /// \throws std::invalid_argument unless it is finite and > 0
+    /// \throws std::invalid_argument unless isResolution()
     explicit CellGeometry(double resolution);
 
     double resolution() const { return resolution_; }

@@ -44,6 +44,7 @@ std::string withoutComment(const std::string& text);
 std::string shortened(const std::string& text);
 
 bool equalIgnoringCase(const std::string& a, const std::string& b);
+bool startsWith(const std::string& text, const std::string& start);
 
 /// A section of key = value lines whose every key must be known.
 class StrictSection {

@@ -31,7 +31,7 @@ class SuperRayMapInterface {
     virtual std::string shortClassName() const = 0;
     virtual double resolution() const = 0;  ///< [m]
     /// \throws std::logic_error if the map is not empty
-    /// \throws std::invalid_argument unless finite and > 0
+    /// \throws std::invalid_argument unless isResolution()
     virtual void setResolution(double metres) = 0;
 
     virtual CellTotals cellTotals() const = 0;
@@ -61,7 +61,8 @@ class SuperRayMapInterface {
     /// The occupied cell nearest to a point (by the centres of cells), if its box is
     /// within maxDistance [m], which may be infinite. Up to about 30 cells the answer
     /// comes from a distance field and takes constant time once that is up to date.
-    /// The point may lie outside the addressable range.
+    /// The point may lie outside the addressable range; of one that is not finite, or
+    /// farther than 1e150 m from the origin, there is no answer.
     /// Safe to call concurrently. \throws std::invalid_argument if maxDistance < 0
     virtual std::optional<NearestObstacle> nearestObstacle(const Eigen::Vector3d& point,
                                                            double maxDistance) const = 0;
@@ -69,7 +70,7 @@ class SuperRayMapInterface {
     /// maps take the first two coordinates.
     /// \param maxRange [m], > 0; may be infinite
     /// \throws std::invalid_argument for an origin outside the addressable range, a
-    ///         direction of length 0, a range that is not > 0
+    ///         direction that is not finite or of length 0, a range that is not > 0
     virtual RayCastResult castRay(const Eigen::Vector3d& origin,
                                   const Eigen::Vector3d& direction, double maxRange,
                                   UnknownCells unknown) const = 0;
