@@ -3,7 +3,7 @@
 
 #include <superray/core/version.h>
 #include <superray/eval/input_error.h>
-#include <superray/eval/map_output.h>
+#include <superray/eval/output_paths.h>
 #include <superray/maps/option_text.h>
 #include <unistd.h>
 

@@ -3,7 +3,7 @@
 
 #include <superray/eval/bench_engine.h>
 #include <superray/eval/input_error.h>
-#include <superray/eval/map_output.h>
+#include <superray/eval/output_paths.h>
 #include <superray/maps/option_text.h>
 #include <superray/storage/atomic_file.h>
 #include <unistd.h>

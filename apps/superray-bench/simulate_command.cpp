@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/map_output.h>
+#include <superray/eval/output_paths.h>
 #include <superray/eval/scan_character.h>
 #include <superray/eval/simulated_rawlog.h>
 

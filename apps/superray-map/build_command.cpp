@@ -2,6 +2,7 @@
 #include <superray/eval/map_build.h>
 #include <superray/eval/map_output.h>
 #include <superray/eval/map_request.h>
+#include <superray/eval/output_paths.h>
 #include <superray/eval/progress_meter.h>
 #include <unistd.h>
 

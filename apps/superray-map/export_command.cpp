@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_output.h>
+#include <superray/eval/output_paths.h>
 #include <superray/maps/map_factory.h>
 
 #include <filesystem>

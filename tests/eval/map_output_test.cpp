@@ -5,6 +5,7 @@
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_info.h>
 #include <superray/eval/map_output.h>
+#include <superray/eval/output_paths.h>
 #include <superray/maps/CSuperRayGridMap2D.h>
 #include <superray/maps/CSuperRayGridMap3D.h>
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/input_error.h>
 #include <superray/eval/map_output.h>
+#include <superray/eval/output_paths.h>
 #include <superray/eval/progress_meter.h>
 #include <superray/maps/png_output.h>
 #include <superray/maps/super_ray_map_base.h>
-#include <superray/storage/atomic_file.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 #include <vector>
@@ -20,24 +19,6 @@ namespace fs = std::filesystem;
 
 const std::vector<std::string> kExportExtensions = {".bt",  ".ot",   ".ply",    ".3Dscene",
                                                     ".png", ".yaml", ".gridmap"};
-
-/// Where a path leads, also through links to what is not there yet.
-fs::path targetOf(const std::string& path) {
-    constexpr int kMostLinks = 40;  // as Linux has it
-    std::error_code error;
-    fs::path target = path;
-    for (int i = 0; i < kMostLinks && fs::is_symlink(target, error); ++i)
-        target = target.parent_path() / fs::read_symlink(target, error);
-    return fs::weakly_canonical(target, error);
-}
-
-bool isSameFile(const std::string& a, const std::string& b) {
-    std::error_code error;
-    const auto statusA = fs::status(a, error), statusB = fs::status(b, error);
-    if (!fs::exists(statusA) && !fs::exists(statusB)) return targetOf(a) == targetOf(b);
-    return fs::is_regular_file(statusA) && fs::is_regular_file(statusB) &&
-           fs::equivalent(a, b, error);
-}
 
 void writePicture(const SuperRayMapInterface& map, const std::string& path,
                   const PictureOptions& picture) {
@@ -77,38 +58,6 @@ void write(const SuperRayMapInterface& map, const std::string& extension,
 }
 
 }  // namespace
-
-void checkOutputPath(const std::string& path, const std::vector<std::string>& extensions) {
-    const fs::path file(path);
-    if (std::find(extensions.begin(), extensions.end(), file.extension()) == extensions.end()) {
-        std::string known;
-        for (const auto& e : extensions) known += (known.empty() ? "" : ", ") + e;
-        throw InputError(path + ": unknown kind of output; its name must end in " + known);
-    }
-    std::error_code error;
-    if (fs::is_directory(file, error)) throw InputError(path + ": is a folder");
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-    if (!fs::is_directory(folder, error))
-        throw InputError(path + ": the folder " + folder.string() + " does not exist");
-    try {
-        checkOutputFile(path);
-    } catch (const MapFileError& e) {
-        throw InputError(e.what());
-    }
-}
-
-void checkOutputsApart(const std::vector<std::string>& inputs,
-                       const std::vector<std::string>& outputs) {
-    for (std::size_t i = 0; i < outputs.size(); ++i) {
-        for (const std::string& input : inputs)
-            if (isSameFile(outputs[i], input))
-                throw InputError(outputs[i] + ": would overwrite the input " + input);
-        for (std::size_t k = 0; k < i; ++k)
-            if (isSameFile(outputs[i], outputs[k]))
-                throw InputError(outputs[i] + ": would overwrite another output, " +
-                                 outputs[k]);
-    }
-}
 
 std::vector<std::string> filesOfExport(const SuperRayMapInterface& map,
                                        const std::string& path) {

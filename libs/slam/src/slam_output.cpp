@@ -2,7 +2,7 @@
 #include <mrpt/opengl/CSetOfLines.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/opengl/stock_objects.h>
-#include <superray/eval/map_output.h>
+#include <superray/eval/output_paths.h>
 #include <superray/maps/gzip_output.h>
 #include <superray/maps/mrpt_compat.h>
 #include <superray/maps/super_ray_map_interface.h>

@@ -185,8 +185,11 @@ TEST_F(AtomicFileTest, LinksAreFollowed) {
     ASSERT_EQ(::symlink("far/none", at("dangling").c_str()), 0);
     writeFileAtomically(at("dangling"), "made");
     EXPECT_EQ(bytesOf(at("far/none")), "made");
+    EXPECT_EQ(pathBehindLinks(at("dangling")), at("far/none"));
+    EXPECT_EQ(pathBehindLinks(path), at("far/target"));
     ASSERT_EQ(::symlink("loop", at("loop").c_str()), 0);
     EXPECT_NE(errorOf(at("loop")), "no error");
+    EXPECT_EQ(pathBehindLinks(at("loop")), at("loop"));
     ASSERT_EQ(::symlink("far", at("folder").c_str()), 0);
     EXPECT_NE(errorOf(at("folder")).find("irectory"), std::string::npos);
 }

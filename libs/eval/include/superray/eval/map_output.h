@@ -11,17 +11,6 @@
 
 namespace superray {
 
-/// Checks, before long work, that a file could be written at `path`.
-/// \param extensions the ones allowed, e.g. {".srmap"}
-/// \throws InputError naming the path and what is wrong with it
-void checkOutputPath(const std::string& path, const std::vector<std::string>& extensions);
-
-/// Refuses, before any work, an output that would overwrite an input or another output: the
-/// same file, also by another name or a link. Devices and FIFOs overwrite nothing.
-/// \throws InputError naming both
-void checkOutputsApart(const std::vector<std::string>& inputs,
-                       const std::vector<std::string>& outputs);
-
 /// The files that exportMap() writes: `path`, and what belongs beside it.
 std::vector<std::string> filesOfExport(const SuperRayMapInterface& map,
                                        const std::string& path);

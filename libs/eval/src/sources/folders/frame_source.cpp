@@ -139,8 +139,12 @@ class FrameSource final : public ScanSource {
     void giveByOrder(const std::vector<CPose3D>& poses, const std::string& file) {
         auto& frames = recording_.frames;
         for (std::size_t i = 0; i < frames.size(); ++i) frames[i].T_map_robot = poses[i];
-        summary_ = PoseSummary("file '" + file + "'", poses.size());
-        summary_.note = "paired with the scans by their order";
+        summarize(poses.size(), file, "paired with the scans by their order");
+    }
+
+    void summarize(std::size_t poses, const std::string& file, const char* note) {
+        summary_ = PoseSummary("file '" + file + "'", poses);
+        summary_.note = note;
     }
 
     /// Poses without times.
@@ -157,8 +161,7 @@ class FrameSource final : public ScanSource {
                              "numbered 0 to " +
                              std::to_string(poses.size() - 1) + " by their rows");
         for (Frame& f : frames) f.T_map_robot = poses[*f.row];
-        summary_ = PoseSummary("file '" + file + "'", poses.size());
-        summary_.note = "paired with the scans by the numbers of the files";
+        summarize(poses.size(), file, "paired with the scans by the numbers of the files");
     }
 
     void giveByFile(const ScanSourceOptions& options) {

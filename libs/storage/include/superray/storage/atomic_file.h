@@ -74,6 +74,10 @@ class AtomicStream : public std::ostream {
 /// Whole file from memory. \throws MapFileError
 void writeFileAtomically(const std::string& path, std::string_view contents);
 
+/// Where a path leads: what it names behind symbolic links, also links to what is not there
+/// yet. Links under /proc (open files) and links in a circle are left as they are.
+std::string pathBehindLinks(const std::string& path);
+
 /// Checks, before long work, what can be known of an output: the rules of
 /// AtomicFile, and that its folder is there and can be written to.
 /// \throws MapFileError
