@@ -182,7 +182,7 @@ TEST(Options, BadValuesNameSectionKeyValueAndRule) {
         {"creationOpts", "resolution", "-0.1", "1e-6 <= resolution"},
         {"creationOpts", "resolution", "nan", "1e-6 <= resolution"},
         {"creationOpts", "resolution", "1e-310", "1e-6 <= resolution"},
-        {"creationOpts", "resolution", "1e300", "resolution <= 1e6"},
+        {"creationOpts", "resolution", "1e+300", "resolution <= 1e6"},
         {"creationOpts", "resolution", "0.1m", "must be a number"},
         {"creationOpts", "lazy_load_path", "/no/such/folder", "must be a folder"},
         {"creationOpts", "reserve_megabytes", "1048577", "reserve_megabytes <= 1048576"},
