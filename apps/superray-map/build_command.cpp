@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <superray/eval/input_error.h>
 #include <superray/eval/map_build.h>
 #include <superray/eval/map_output.h>
 #include <superray/eval/map_request.h>
@@ -6,6 +7,7 @@
 #include <superray/eval/progress_meter.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -58,8 +60,18 @@ ScanSources markAll(const Arguments& arguments, const std::string& sensorLabels)
     return sources;
 }
 
+/// A recording that is given twice would be inserted twice.
+void refuseTwins(const std::vector<std::string>& inputs) {
+    std::error_code error;
+    for (std::size_t i = 0; i < inputs.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k)
+            if (std::filesystem::equivalent(inputs[i], inputs[k], error))
+                throw InputError(inputs[i] + ": is given twice (" + inputs[k] + ")");
+}
+
 int build(const Arguments& arguments) {
     checkOutputPath(arguments.output, {".srmap"});
+    refuseTwins(arguments.inputs);
     const auto map = makeMap(arguments.map);
     const auto& info = dynamic_cast<const SuperRayMapInterface&>(*map);
     const auto sources = markAll(arguments, info.options().insertion.sensorLabel);

@@ -69,6 +69,35 @@ mrpt::obs::CObservation2DRangeScan::Ptr makeLaserScan(double seconds) {
     return scan;
 }
 
+TEST(BuildMap, saysWhyNoPointOfAnyScanIsUsed) {
+    TempFolder folder;
+    const auto errorOf = [&](const mrpt::obs::CObservation::Ptr& scan, double minimum) {
+        ScanSourceOptions still;
+        still.poses = PoseOrigin::fixed;
+        ScanSources sources;
+        sources.push_back(openScanSource(writeRawlog(folder / "a.rawlog", {scan}), still));
+        CSuperRayGridMap3D map(0.1);
+        map.insertionOptions.minrange = minimum;
+        return test::messageOf<InputError>(
+            [&] { buildMap(sources, map, kNoLimit, [](const BuildProgress&) {}); });
+    };
+    const auto cloudAt = [](float x) {
+        auto scan = mrpt::obs::CObservationPointCloud::Create();
+        scan->timestamp = test::at(1);
+        auto points = mrpt::maps::CSimplePointsMap::Create();
+        points->insertPoint(x, 0, 0);
+        scan->pointcloud = points;
+        return scan;
+    };
+    EXPECT_NE(errorOf(cloudAt(5000), 0).find("left out, 1 beyond the cells that can be"),
+              std::string::npos)
+        << errorOf(cloudAt(5000), 0);
+    EXPECT_NE(errorOf(cloudAt(std::nanf("")), 0).find("left out, 1 not finite"),
+              std::string::npos);
+    EXPECT_NE(errorOf(cloudAt(1), 2).find("left out, 1 nearer than minrange"),
+              std::string::npos);
+}
+
 TEST(BuildMap, deskewsAlongThePosesOfTheInput) {
     TempFolder folder;
     test::Objects objects;

@@ -81,6 +81,20 @@ TEST(Plan, isReadByMapServersReaderOfMrpt) {
     EXPECT_NE(yaml.find("resolution: 0.1\n"), std::string::npos) << yaml;
 }
 
+TEST(Plan, namesThatYamlWouldTakeForMoreAreQuoted) {
+    TempFolder folder;
+    const auto map = makePlan();
+    const auto imageIn = [&](const std::string& name) {
+        exportMap(map, folder / name);
+        const auto yaml = readWholeFile(folder / name);
+        return yaml.substr(0, yaml.find('\n'));
+    };
+    EXPECT_EQ(imageIn("a_b-2.yaml"), "image: a_b-2.pgm");
+    EXPECT_EQ(imageIn("a: #b.yaml"), "image: 'a: #b.pgm'");
+    EXPECT_EQ(imageIn("it's.yaml"), "image: 'it''s.pgm'");
+    EXPECT_EQ(imageIn("[1].yaml"), "image: '[1].pgm'");
+}
+
 TEST(Plan, aPictureLeavesItsOriginBesideIt) {
     TempFolder folder;
     const auto map = makePlan();

@@ -110,6 +110,22 @@ TEST_F(SlamProgram, ErrorsAreOneLineAndCodeTwo) {
     EXPECT_FALSE(std::filesystem::exists(folder_ / "r.tum"));
 }
 
+TEST_F(SlamProgram, PosesThatAreNotFiniteAreCounted) {
+    std::string truth, estimate;
+    for (int i = 0; i < 10; ++i) {
+        truth += std::to_string(i) + " " + std::to_string(i) + " 0 0 0 0 0 1\n";
+        estimate += std::to_string(i) + (i % 5 == 4 ? " nan" : " 0") + " 0 0 0 0 0 1\n";
+    }
+    folder_.write("t.tum", truth);
+    folder_.write("e.tum", estimate);
+    const auto text = run("evaluate " + path("e.tum") + " " + path("t.tum")).out;
+    EXPECT_NE(text.find("poses      8 at common times, 2 estimates not finite"),
+              std::string::npos)
+        << text;
+    const auto json = run("evaluate --json " + path("t.tum") + " " + path("e.tum")).out;
+    EXPECT_NE(json.find("\"true_poses_not_finite\": 2"), std::string::npos) << json;
+}
+
 TEST_F(SlamProgram, OutputsAreNeitherInputsNorEachOther) {
     const std::string options = " --levels 0.6 --point-spacing 0.3 --resolution 0.2";
     ASSERT_EQ(run("build " + path("room.rawlog") + " -o " + path("a.simplemap") + options).code,

@@ -38,11 +38,29 @@ void countLeftOut(const mrpt::obs::CObservation& observation, const TInsertionRe
     if (report.unreadable.empty()) report.unreadable = whyUnreadable(observation);
 }
 
+/// E.g. "12 not finite, 3 nearer than minrange"; empty if there are none.
+std::string pointsLeftOut(const TInsertionReport& report) {
+    std::string text;
+    const auto add = [&](std::uint64_t number, const char* what) {
+        if (number == 0) return;
+        text += (text.empty() ? "" : ", ") + std::to_string(number) + " " + what;
+    };
+    add(report.skipped.notFinite, "not finite");
+    add(report.skipped.outOfRange, "beyond the cells that can be addressed (32768 each way)");
+    add(report.skipped.tooNear, "nearer than minrange");
+    add(report.outOfHeightBand, "outside the height band");
+    add(report.withoutPose, "measured where no pose is known");
+    add(report.noReturns, "without a return");
+    return text;
+}
+
 std::string whyNothing(const BuildReport& report) {
     if (report.tiltedScans > 0)
         return "planar scans tilted by more than horizontalTolerance, which a 2D map leaves "
                "out";
     if (!report.unreadable.empty()) return report.unreadable;
+    const std::string leftOut = pointsLeftOut(report.insertion);
+    if (!leftOut.empty()) return "all of their points are left out, " + leftOut;
     return "no ranges or points, or the map's options refuse them";
 }
 

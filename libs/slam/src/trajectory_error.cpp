@@ -136,6 +136,8 @@ TrajectoryError compareTrajectories(const Trajectory& estimate, const Trajectory
         estimated.push_back(asIsometry(pose));
         actual.push_back(asIsometry(*at));
     }
+    result.badEstimates = estimate.skippedRows();
+    result.badTruths = truth.skippedRows();
     result.poses = actual.size();
     if (result.poses < 3)
         throw InputError("the trajectories have " + std::to_string(result.poses) +
@@ -181,6 +183,8 @@ std::string describe(const TrajectoryError& e) {
     out << std::fixed;
     out << "poses      " << e.poses << " at common times";
     if (e.unmatched > 0) out << ", " << e.unmatched << " estimates outside the true times";
+    if (e.badEstimates > 0) out << ", " << e.badEstimates << " estimates not finite";
+    if (e.badTruths > 0) out << ", " << e.badTruths << " true poses not finite";
     out << "\npath       " << std::setprecision(3) << e.pathLength << " m\n\n"
         << "                          RMSE     mean   median      max\n"
         << row("ATE, position    [cm]", e.absolute, centimetres)
@@ -212,6 +216,8 @@ std::string describeAsJson(const TrajectoryError& e) {
                             {"segments", s.segments}});
     const nlohmann::json all = {{"poses", e.poses},
                                 {"unmatched", e.unmatched},
+                                {"estimates_not_finite", e.badEstimates},
+                                {"true_poses_not_finite", e.badTruths},
                                 {"path", e.pathLength},
                                 {"ate", asJson(e.absolute)},
                                 {"ate_rotation", asJson(e.absoluteRotation)},

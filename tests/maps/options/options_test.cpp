@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/config/CConfigFileMemory.h>
+#include <superray/maps/option_text.h>
 #include <superray/maps/options.h>
 
 #include <random>
@@ -135,6 +136,10 @@ TEST(Options, TextsAreRefusedOrKept) {
     }
     EXPECT_GT(kept, 5000);
     EXPECT_GT(refused, 2000);
+}
+
+TEST(Options, TextsOfFilesAreMadePrintable) {
+    EXPECT_EQ(printable("a \xC3\xA9\n\x1b[2J"), "a \xC3\xA9\\x0a\\x1b[2J");
 }
 
 TEST(Options, CommentsAndCaseOfKeysAreAccepted) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/eval/progress_meter.h>
 #include <superray/eval/recording_info.h>
+#include <superray/maps/option_text.h>
 
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -49,7 +50,7 @@ std::string describe(const RecordingInfo& info) {
     std::ostringstream out;
     out << "file        " << info.path << "\nformat      " << info.format << "\n";
     for (const SensorInfo& s : info.sensors) {
-        out << "sensor      '" << s.label << "' " << s.className << ": "
+        out << "sensor      '" << printable(s.label) << "' " << s.className << ": "
             << formatCount(s.count);
         if (s.timed)
             out << ", " << formatFixed(s.first, 1) << " to " << formatFixed(s.last, 1) << " s";
@@ -62,10 +63,10 @@ std::string describe(const RecordingInfo& info) {
     if (info.actions > 0)
         out << "actions     " << formatCount(info.actions) << ", of which "
             << formatCount(info.emptyActions) << " tell no movement\n";
-    if (!info.posesFound.empty()) out << "has poses   " << info.posesFound << "\n";
+    if (!info.posesFound.empty()) out << "has poses   " << printable(info.posesFound) << "\n";
     for (const UnusedTopic& t : info.unusedTopics)
-        out << "not used    '" << t.name << "' " << t.type << ": " << formatCount(t.count)
-            << "\n";
+        out << "not used    '" << printable(t.name) << "' " << printable(t.type) << ": "
+            << formatCount(t.count) << "\n";
     if (!info.externalFolders.empty()) {
         out << "looked in   ";
         for (std::size_t i = 0; i < info.externalFolders.size(); ++i)

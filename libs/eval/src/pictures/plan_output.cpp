@@ -7,6 +7,7 @@
 #include <superray/storage/for_each_cell.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -48,11 +49,22 @@ std::string number(double value) {
 
 }  // namespace
 
+/// A name as YAML reads it back: in quotes unless it is plain.
+std::string yamlText(const std::string& name) {
+    const bool isPlain = !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.';
+    }) && std::isalpha(static_cast<unsigned char>(name.front()));
+    if (isPlain) return name;
+    std::string quoted = "'";
+    for (const char c : name) quoted += c == '\'' ? "''" : std::string(1, c);
+    return quoted + "'";
+}
+
 void writePlanYaml(const OccupancyMap<2>& map, const std::string& path,
                    const std::string& image) {
     const Extent extent(map);
     const double edge = map.geometry().resolution();
-    writeFileAtomically(path, "image: " + image +
+    writeFileAtomically(path, "image: " + yamlText(image) +
                                   "\nmode: trinary\nresolution: " + number(edge) +
                                   "\norigin: [" + number(extent.lowest[0] * edge) + ", " +
                                   number(extent.lowest[1] * edge) +

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cstdio>
 #include <limits>
 #include <numeric>
 #include <sstream>
@@ -183,6 +184,17 @@ std::string shortened(const std::string& text) {
     };
     while (length > kMost - 4 && continuesUtf8(text[length])) --length;
     return text.substr(0, length) + "... (" + std::to_string(text.size()) + " characters)";
+}
+
+std::string printable(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        char code[8];
+        std::snprintf(code, sizeof code, "\\x%02x", static_cast<unsigned>(byte));
+        result += std::iscntrl(byte) ? std::string(code) : std::string(1, c);
+    }
+    return result;
 }
 
 bool equalIgnoringCase(const std::string& a, const std::string& b) {

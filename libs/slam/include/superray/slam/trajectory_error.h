@@ -36,7 +36,9 @@ struct TrajectoryErrorOptions {
 struct TrajectoryError {
     std::size_t poses = 0;      ///< estimates with a true pose at their time
     std::size_t unmatched = 0;  ///< estimates without
-    double pathLength = 0;      ///< of the true poses [m]
+    /// Poses of the files that are not finite, and were left out.
+    std::size_t badEstimates = 0, badTruths = 0;
+    double pathLength = 0;  ///< of the true poses [m]
     /// ATE: distances of the positions [m] after the rigid motion (no scale) that
     /// makes the sum of their squares least (Umeyama).
     ErrorSummary absolute;
