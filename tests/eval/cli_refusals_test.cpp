@@ -188,6 +188,20 @@ TEST_F(Refusals, camerasThatCannotBe) {
                     {"--depth-units = " + std::string(value), "must be finite and > 0"});
 }
 
+TEST_F(Refusals, camerasWhereThereAreNone) {
+    for (const char* option : {"--intrinsics 50 50 32 24", "--depth-units 1000"})
+        expectError(build(option), {"a.rawlog", "for RGB-D folders"});
+}
+
+TEST_F(Refusals, recordingsThatAreGivenTwice) {
+    folder_.write("b.rawlog", readWholeFile(folder_ / "a.rawlog"));
+    fs::create_symlink(folder_ / "a.rawlog", folder_ / "link.rawlog");
+    for (const char* name : {"a.rawlog", "./a.rawlog", "link.rawlog"})
+        expectError("build" + path("a.rawlog") + path(name) + "-o" + path("a.srmap"),
+                    {name, "is given twice"});
+    expectOk("build" + path("a.rawlog") + path("b.rawlog") + "-o" + path("a.srmap"));
+}
+
 TEST_F(Refusals, optionsThatContradictEachOther) {
     folder_.write("a.tum", "0 0 0 0 0 0 0 1\n1 0.3 0 0 0 0 0 1\n");
     const std::string label = " --pose-label POSE";

@@ -102,7 +102,20 @@ TEST(Formats, coordinatesOfACountryAreRefused) {
     expectPart(errorOf(folder / "bins", fixed), "1000.bin: has points at y 40000 m");
     // Values that tell of no point are skipped.
     const auto one = build(folder.write("a.pcd", textPcd("2.3456789")), fixed).digest;
-    for (const char* x : {"nan", "1e9", "-1e300"}) {
+    const auto textPlyWith = [&](const std::string& second) {
+        auto bytes = textPly.substr(0, textPly.find("431234.56")) + "2.3456789 1 0.5\n" +
+                     second + " 1 0.5\n";
+        return bytes.replace(bytes.find("vertex 1"), 8, "vertex 2");
+    };
+    for (const char* word : {"banana", "nanny", "1.5x", "", "+-5"})
+        EXPECT_NE(error("c.ply", textPlyWith(word)), "no exception") << word;
+    // Those are coordinates.
+    const auto same = build(folder.write("c.ply", textPlyWith("0.5")), fixed).digest;
+    EXPECT_EQ(build(folder.write("c.ply", textPlyWith("+0.5")), fixed).digest, same);
+    EXPECT_EQ(build(folder.write("c.ply", textPlyWith("1e-400")), fixed).digest,
+              build(folder.write("d.ply", textPlyWith("0")), fixed).digest);
+    for (const char* x : {"nan", "NAN", "-nan(ind)", "inf", "-inf", "1e400", "1e9", "-1e300"}) {
+        EXPECT_EQ(build(folder.write("c.ply", textPlyWith(x)), fixed).digest, one) << x;
         auto two = textPcd("2.3456789");
         for (const std::string key : {"WIDTH", "POINTS"})
             two.replace(two.find(key + " 1"), key.size() + 2, key + " 2");
@@ -176,7 +189,10 @@ TEST(Formats, rgbdFoldersGiveTheMapOfTheRawlog) {
     TempFolder folder;
     const auto expected = expectedDigest(true);
     EXPECT_EQ(build(sample("rgbd"), sampleCamera()).digest, expected);
-    EXPECT_NE(build(sample("rgbd")).digest, expected) << "the camera must matter";
+    ScanSourceOptions other = sampleCamera();
+    other.depthCamera.fx = 40;
+    EXPECT_NE(build(sample("rgbd"), other).digest, expected) << "the camera must matter";
+    expectPart(errorOf(sample("rgbd")), "is one of 640 x 480; give its camera (--intrinsics)");
     // As ICL-NUIM: frames by number, pairs of files, another name of the truth.
     fs::create_directories(folder / "icl/depth");
     std::string pairs, truth;

@@ -209,6 +209,10 @@ TEST(FrameFolders, timesThatDoNotMeetTheScansAreNotAnOrder) {
         for (int i = 0; i < 3; ++i) EXPECT_EQ(scans[static_cast<std::size_t>(i)].pose, 500 + i);
         expectPart(openScanSource(path, tum(500))->poses().asText(), "by their order");
     }
+    // Here the numbers of some files are times of poses, by chance.
+    const auto often =
+        folder.write("often.tum", "0 0 0 0 0 0 0 1\n0.5 1 0 0 0 0 0 1\n1 2 0 0 0 0 0 1\n");
+    expectPart(errorOf(folder / "numbered", withPoses(often)), "but only 2 at the times");
     // A row that was skipped may have been any scan's.
     const std::string rows = "500 0 0 0 0 0 0 1\n501 nan 0 0 0 0 0 1\n";
     const auto skipped =

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <mrpt/io/CMemoryStream.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CActionRobotMovement3D.h>
@@ -274,6 +275,48 @@ TEST(RawlogSource, refusesWhatIsNoRawlog) {
         std::string::npos);
     EXPECT_NE(errorOf(folder / "absent.rawlog").find("no such file"), std::string::npos);
     EXPECT_NE(errorOf(folder.write("a.xyz", "")).find("unknown input"), std::string::npos);
+}
+
+/// As in a file.
+std::string bytesOf(const mrpt::serialization::CSerializable* object) {
+    mrpt::io::CMemoryStream stream;
+    mrpt::serialization::archiveFrom(stream).WriteObject(object);
+    const auto* data = static_cast<const char*>(stream.getRawBufferData());
+    return std::string(data, stream.getTotalBytesCount());
+}
+
+TEST(RawlogSource, refusesObjectsThatAreNoneAndObservationsThatAreNone) {
+    TempFolder folder;
+    const auto scan = makeCloud(1, 1);
+    mrpt::obs::CSensoryFrame frame;
+    frame.insert(scan);
+    const std::string null = bytesOf(nullptr), observation = bytesOf(scan.get()),
+                      whole = bytesOf(&frame);
+    const auto begin = whole.find(observation);
+    ASSERT_NE(begin, std::string::npos);
+    const std::string one("\1\0\0\0", 4), two("\2\0\0\0", 4);
+    const auto count = whole.rfind(one, begin);
+    ASSERT_NE(count, std::string::npos);
+    const auto frameWith = [&](const std::string& second) {
+        std::string bytes = whole;
+        bytes.insert(begin + observation.size(), second);
+        return bytes.replace(count, 4, two);
+    };
+    ScanSourceOptions fixed;
+    fixed.poses = PoseOrigin::fixed;
+    const auto errorWith = [&](const std::string& bytes) {
+        return errorOf(folder.write("a.rawlog", bytes), fixed);
+    };
+    EXPECT_EQ(errorWith(observation + frameWith(observation)), "no exception");
+    const std::string tail = bytesOf(makeCloud(2, 2).get());
+    for (const std::string& after : {std::string(), tail}) {
+        expectPart(errorWith(observation + null + after), "an object is null, after 1 whole");
+        expectPart(errorWith(observation + frameWith(null) + after),
+                   "a sensory frame holds what is no observation, after 1 whole");
+        const CPose2D pose;
+        expectPart(errorWith(observation + frameWith(bytesOf(&pose)) + after),
+                   "a sensory frame holds what is no observation");
+    }
 }
 
 TEST(RawlogSource, findsExternallyStoredCloudsBesideTheRawlog) {

@@ -298,6 +298,63 @@ TEST_F(RecordedPosesTest, fixActionsToo) {
     EXPECT_NE(build(moved(2)).digest, base());
 }
 
+TEST_F(RecordedPosesTest, ofActionsHoldAsLongAsPosesAreBridged) {
+    Objects objects;
+    for (int i = 0; i < 3; ++i) {
+        auto action = actionOf(i == 0 ? CPose2D() : CPose2D(0.5, 0, 0));
+        (*action->begin())->timestamp = at(i);
+        objects.push_back(action);
+        objects.push_back(frameOf({roomScan(i + 0.1, driveX(i))}));
+    }
+    EXPECT_EQ(build(objects).report.scans, 3u);
+    // The robot may be anywhere by then.
+    for (int i = 3; i < 9; ++i) objects.push_back(roomScan(i, driveX(i)));
+    const auto built = build(objects);
+    EXPECT_EQ(built.report.scans, 5u) << "those until 2 s after the last action";
+    EXPECT_EQ(built.report.skipped.withoutPose, 4u);
+    ScanSourceOptions patient;
+    patient.maxPoseGap = 100;
+    EXPECT_EQ(build(objects, patient).report.scans, 9u);
+}
+
+TEST_F(RecordedPosesTest, ofOneTimeMustAgree) {
+    const auto withSecond = [&](PoseOrigin kind, double seconds, double metres) {
+        const bool robotPoses = kind == PoseOrigin::robotPoses;
+        Objects objects;
+        for (int i = 0; i < kScans; ++i) {
+            if (robotPoses)
+                objects.push_back(poseAt(i, "GT"));
+            else
+                objects.push_back(odometryAt(i));
+            objects.push_back(roomScan(i + 0.5, driveX(i + 0.5)));
+        }
+        if (robotPoses)
+            objects.push_back(poseAt(seconds, "GT", CPose3D(metres, 0, 0, 0, 0, 0)));
+        else
+            objects.push_back(odometryAt(seconds, CPose2D(metres, 0, 0)));
+        return errorOf(objects);
+    };
+    for (const auto kind : {PoseOrigin::robotPoses, PoseOrigin::odometry}) {
+        for (const double seconds : {0.0, 3.0, 5.0}) {
+            expectPart(withSecond(kind, seconds, 50), "contradict each other: they are 50 m");
+            EXPECT_EQ(withSecond(kind, seconds, 0), "no exception");
+            // A clock has ticks: within one the robot moves on.
+            EXPECT_EQ(withSecond(kind, seconds, 0.09), "no exception");
+        }
+        EXPECT_EQ(withSecond(kind, 3, 0.5), "no exception") << "it moves 1 m around it";
+    }
+    // Each pose twice.
+    Objects doubled = drive();
+    for (int i = 0; i < kScans; ++i) doubled.push_back(odometryAt(i, CPose2D(50, 0, 0)));
+    expectPart(errorOf(doubled), "contradict each other");
+    // Two anchors of an odometry.
+    Objects anchored = drive();
+    anchored.push_back(poseAt(2, "GT", CPose3D(100, 0, 0, 0, 0, 0)));
+    EXPECT_EQ(errorOf(anchored), "no exception");
+    anchored.push_back(poseAt(2, "GT", CPose3D(-100, 0, 0, 0, 0, 0)));
+    expectPart(errorOf(anchored), "robot poses 'GT': two poses of the time");
+}
+
 TEST_F(RecordedPosesTest, thatAreNotFiniteAreSkippedAndCounted) {
     const auto expected = build(
         {poseAt(0, "p"), roomScan(0, 0), roomScan(1, 0.5), poseAt(2, "p"), roomScan(2, 1)});

@@ -5,10 +5,13 @@
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
+#include <mrpt/poses/CPose3DPDFParticles.h>
+#include <mrpt/poses/CPose3DPDFSOG.h>
 #include <octomap/ScanGraph.h>
 #include <superray/eval/input_error.h>
 #include <superray/eval/scan_source.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "eval/recorded_scans.h"
@@ -90,6 +93,26 @@ TEST(SimpleMapSource, givesPosesAndObservationsOfTheKeyframes) {
     expectTruncationIsSeen(folder, "a.simplemap");
     expectError(folder.write("b.simplemap", "not a map"), "is not a whole simplemap");
     expectError(folder / "absent.simplemap", "no such file");
+}
+
+TEST(SimpleMapSource, leavesOutKeyframesWithoutAPose) {
+    TempFolder folder;
+    mrpt::maps::CSimpleMap map;
+    const auto insert = [&](const mrpt::poses::CPose3DPDF::Ptr& pose) {
+        auto frame = mrpt::obs::CSensoryFrame::Create();
+        frame->insert(makeCloud(10.0 + static_cast<double>(map.size()), 1));
+        map.insert(pose, frame);
+    };
+    insert(mrpt::poses::CPose3DPDFGaussian::Create(CPose3D(1, 2, 3, 0, 0, 0)));
+    insert(mrpt::poses::CPose3DPDFParticles::Create(0));
+    insert(mrpt::poses::CPose3DPDFSOG::Create(0));
+    insert(mrpt::poses::CPose3DPDFGaussian::Create(CPose3D(std::nan(""), 0, 0, 0, 0, 0)));
+    ASSERT_TRUE(map.saveToFile(folder / "a.simplemap"));
+    const auto source = openScanSource(folder / "a.simplemap");
+    EXPECT_EQ(source->total(), 1u);
+    EXPECT_EQ(source->skipped().badPoses, 3u);
+    EXPECT_EQ(source->skipped().withoutPose, 3u);
+    expectPoseNear(source->next()->T_map_robot, CPose3D(1, 2, 3, 0, 0, 0), 0);
 }
 
 TEST(ScanGraphSource, agreesWithOctomap) {

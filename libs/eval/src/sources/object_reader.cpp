@@ -2,6 +2,7 @@
 #include "sources/object_reader.h"
 
 #include <mrpt/obs/CRawlog.h>
+#include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/system/os.h>
 #include <superray/maps/newer_objects.h>
 
@@ -88,22 +89,34 @@ CSerializable::Ptr ObjectReader::read() {
     }
 }
 
+std::string ObjectReader::withPlace(const std::string& why) const {
+    return path_ + ": " + why + ", after " + std::to_string(objects_) +
+           " whole objects, in the one at byte " + std::to_string(start_) + bytesOf(*file_);
+}
+
 void ObjectReader::fail(const std::string& why) const {
-    const std::string message = path_ + ": " + why + ", after " + std::to_string(objects_) +
-                                " whole objects, in the one at byte " + std::to_string(start_) +
-                                bytesOf(*file_);
+    const std::string message = withPlace(why);
     const bool isWholeSoFar =
         file_->error().empty() && (file_->atEnd() || isOfUnknownClass(why));
     if (file_->truncated() || isWholeSoFar) throw TruncatedInputError(message);
     throw InputError(message);
 }
 
+void ObjectReader::keep(const CSerializable::Ptr& object) {
+    if (!object) throw InputError(withPlace("an object is null"));
+    if (const auto* frame = dynamic_cast<const mrpt::obs::CSensoryFrame*>(object.get()))
+        for (const auto& part : *frame)
+            if (!part)
+                throw InputError(withPlace("a sensory frame holds what is no observation"));
+    pending_.push_back(object);
+}
+
 /// A file may be one CRawlog object instead of a sequence.
 void ObjectReader::expand(const CSerializable::Ptr& object) {
     if (auto rawlog = std::dynamic_pointer_cast<mrpt::obs::CRawlog>(object))
-        for (const auto& entry : *rawlog) pending_.push_back(entry);
+        for (const auto& entry : *rawlog) keep(entry);
     else
-        pending_.push_back(object);
+        keep(object);
 }
 
 }  // namespace superray

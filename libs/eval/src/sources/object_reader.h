@@ -45,7 +45,7 @@ class ObjectReader {
     /// \throws InputError
     explicit ObjectReader(const std::string& path, FileState state = FileState::unknown);
 
-    /// nullptr at the end.
+    /// nullptr at the end. An object is never null, nor is an observation of a frame.
     /// \throws TruncatedInputError, InputError: file, cause, whole objects before, position
     mrpt::serialization::CSerializable::Ptr next();
 
@@ -55,7 +55,9 @@ class ObjectReader {
  private:
     bool readOn();
     mrpt::serialization::CSerializable::Ptr read();
+    std::string withPlace(const std::string& why) const;
     [[noreturn]] void fail(const std::string& why) const;
+    void keep(const mrpt::serialization::CSerializable::Ptr& object);
     void expand(const mrpt::serialization::CSerializable::Ptr& object);
 
     std::string path_;

@@ -33,6 +33,8 @@ bool beginsWith(const std::string& path, const std::string& magic) {
     return startOfFile(path).rfind(magic, 0) == 0;
 }
 
+constexpr const char* kRgbdFolder = "RGB-D folder (TUM, ICL-NUIM)";
+
 struct Format {
     const char* name;
     bool (*matches)(const std::string& path, bool isFolder);
@@ -93,7 +95,7 @@ constexpr std::array<Format, 14> kFormats{{
     {"KITTI odometry sequence",
      [](const std::string& p, bool folder) { return folder && hasFolder(p, "velodyne"); },
      [](const std::string& p, const ScanSourceOptions& o) { return openKitti(p, o); }},
-    {"RGB-D folder (TUM, ICL-NUIM)",
+    {kRgbdFolder,
      [](const std::string& p, bool folder) { return folder && hasFolder(p, "depth"); },
      [](const std::string& p, const ScanSourceOptions& o) { return openRgbd(p, o); }},
     {"folder of point clouds (PCD, PLY, LAS)",
@@ -206,6 +208,10 @@ std::unique_ptr<ScanSource> openScanSource(const std::string& path,
                          " s: must be at least 0 s");
     checkDepthCamera(options.depthCamera);
     const Format& format = formatOf(path);
+    if (!options.depthCamera.isDefault() && std::string(format.name) != kRgbdFolder)
+        throw InputError(path + ": is a " + format.name +
+                         ", which tells its cameras itself; --intrinsics and --depth-units are "
+                         "for RGB-D folders");
     const bool hasLabels =
         std::string(format.name) == kRawlogFormat || isRosFormat(format.name);
     const bool asksLabelled = options.poses != PoseOrigin::input &&

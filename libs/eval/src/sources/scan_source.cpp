@@ -110,11 +110,15 @@ void countWithoutPose(const PoseAnswer& answer, SkippedObservations& skipped) {
 void throwNoScanHasPose(const std::string& path, const ScanSourceOptions& options,
                         Trajectory::Time firstScan, Trajectory::Time lastScan,
                         const PoseTrack* poses) {
+    const bool asked = options.poses != PoseOrigin::input || !options.poseLabel.empty();
     if (poses == nullptr || poses->empty())
-        throw InputError(path +
-                         ": holds no robot poses (CObservationRobotPose, actions or odometry)"
-                         " that can be used; give a poses file (--poses FILE), or say that the"
-                         " robot did not move (--fixed-robot)");
+        throw InputError(
+            path +
+            ": holds no robot poses (CObservationRobotPose, actions or "
+            "odometry) " +
+            (asked ? "of the kind and label that were asked for" : "that can be used") +
+            "; give a poses file (--poses FILE), or say that the"
+            " robot did not move (--fixed-robot)");
     const bool ofFile = options.poses == PoseOrigin::file;
     const bool overlap = firstScan <= poses->lastTime() && lastScan >= poses->firstTime();
     char gap[40];

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/poses/CPose3DPDFParticles.h>
+#include <mrpt/poses/CPose3DPDFSOG.h>
 #include <superray/eval/input_error.h>
 #include <superray/maps/mrpt_compat.h>
 #include <superray/maps/newer_objects.h>
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "sources/object_reader.h"
+#include "sources/poses/pose_streams.h"
 #include "sources/scan_source_formats.h"
 
 namespace superray {
@@ -47,6 +51,23 @@ mrpt::maps::CSimpleMap readGuarded(const std::string& path) {
     return readSimpleMap(path);
 }
 
+/// True for a distribution that says nothing: its mean is the origin.
+bool isEmpty(const mrpt::poses::CPose3DPDF& pose) {
+    using namespace mrpt::poses;
+    if (const auto* particles = dynamic_cast<const CPose3DPDFParticles*>(&pose))
+        return particles->particlesCount() == 0;
+    if (const auto* sum = dynamic_cast<const CPose3DPDFSOG*>(&pose)) return sum->size() == 0;
+    return false;
+}
+
+/// The mean; nothing if it is not known or not finite.
+std::optional<mrpt::poses::CPose3D> poseOf(const mrpt::poses::CPose3DPDF& distribution) {
+    if (isEmpty(distribution)) return std::nullopt;
+    const mrpt::poses::CPose3D mean = distribution.getMeanVal();
+    if (!isFinite(mean)) return std::nullopt;
+    return mean;
+}
+
 class SimpleMapSource final : public ScanSource {
  public:
     SimpleMapSource(const std::string& path, const ScanSourceOptions& options)
@@ -59,8 +80,12 @@ class SimpleMapSource final : public ScanSource {
             if (!posePdf || !frame)
                 throw InputError(path + ": keyframe " + std::to_string(i) +
                                  " lacks its pose or its observations");
-            const mrpt::poses::CPose3D T_map_robot = posePdf->getMeanVal();
+            const auto T_map_robot = poseOf(*posePdf);
+            skipped_.badPoses += !T_map_robot;
             for (const auto& observation : *frame) {
+                if (!observation)
+                    throw InputError(path + ": keyframe " + std::to_string(i) +
+                                     " holds what is no observation");
                 if (!isRangeObservation(*observation) ||
                     !hasWantedLabel(*observation, options, skipped_))
                     continue;
@@ -96,7 +121,7 @@ class SimpleMapSource final : public ScanSource {
             const auto frame = keyFrameParts(map, i).observations;
             if (!frame) continue;
             for (const auto& observation : *frame)
-                if (isRangeObservation(*observation))
+                if (observation && isRangeObservation(*observation))
                     labels_.push_back(observation->sensorLabel);
         }
     }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "text/text_input.h"
@@ -55,6 +56,21 @@ std::optional<double> parseNumber(const std::string& word) {
     const auto [rest, error] = std::from_chars(word.data(), end, value);
     if (error != std::errc{} || rest != end || !std::isfinite(value)) return std::nullopt;
     return value;
+}
+
+std::optional<double> parseCoordinate(const std::string& word) {
+    const bool plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
+    const char* const begin = word.data() + (plus ? 1 : 0);
+    const char* const end = word.data() + word.size();
+    double value = 0;
+    const auto [rest, error] = std::from_chars(begin, end, value);
+    if (rest != end || error == std::errc::invalid_argument) return std::nullopt;
+    if (error != std::errc::result_out_of_range) return value;
+    const bool tiny = word.find_first_of("eE") != std::string::npos &&
+                      word[word.find_first_of("eE") + 1] == '-';
+    return tiny ? 0
+                : std::copysign(std::numeric_limits<double>::infinity(),
+                                word[0] == '-' ? -1.0 : 1.0);
 }
 
 bool isHeading(const std::string& line) {

@@ -18,6 +18,10 @@ std::optional<std::vector<double>> parseNumbers(const std::string& line);
 /// The finite number that a word is, entirely; nothing for other words.
 std::optional<double> parseNumber(const std::string& word);
 
+/// A coordinate of a point: also NaN, infinite, or so small that it is 0, with or without a
+/// plus sign. Nothing for words that are not entirely a number.
+std::optional<double> parseCoordinate(const std::string& word);
+
 /// The numbers of a line of a table, separated by blanks, or by one comma (or semicolon) each;
 /// they may be NaN or infinite.
 /// \throws InputError naming `where` if a word is not entirely a number, or a column is empty

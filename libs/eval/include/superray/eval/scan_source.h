@@ -37,6 +37,17 @@ enum class Truncation : std::uint8_t {
 struct DepthCamera {
     double fx = 525, fy = 525, cx = 319.5, cy = 239.5;  ///< [pixels]
     double unitsPerMetre = 5000;                        ///< of the values in the images
+
+    /// The images that the default is of.
+    static constexpr std::uint32_t kDefaultColumns = 640, kDefaultRows = 480;
+    /// Nobody said what the camera is.
+    bool hasDefaultIntrinsics() const {
+        const DepthCamera d;
+        return fx == d.fx && fy == d.fy && cx == d.cx && cy == d.cy;
+    }
+    bool isDefault() const {
+        return hasDefaultIntrinsics() && unitsPerMetre == DepthCamera().unitsPerMetre;
+    }
 };
 
 struct ScanSourceOptions {

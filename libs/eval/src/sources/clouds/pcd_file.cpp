@@ -205,8 +205,7 @@ class PcdReader {
     }
 
     double value(const std::string& word) const {
-        if (word == "nan" || word == "-nan" || word == "NaN") return std::nan("");
-        const auto number = parseNumber(word);
+        const auto number = parseCoordinate(word);
         if (!number) fail("'" + word + "' is not a number");
         return *number;
     }

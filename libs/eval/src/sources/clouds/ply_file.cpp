@@ -156,8 +156,7 @@ class PlyReader {
                      std::to_string(element.properties.size()));
             const auto at = [&](const char* axis) {
                 const std::string& word = words[element.columnOf.at(axis)];
-                if (word.find("nan") != std::string::npos) return std::nan("");
-                const auto number = parseNumber(word);
+                const auto number = parseCoordinate(word);
                 if (!number) fail("'" + word + "' is not a number");
                 return *number;
             };

@@ -183,6 +183,13 @@ class FrameSource final : public ScanSource {
             for (const auto& entry : poses.poses()) inOrder.push_back(entry.second);
             return giveByOrder(inOrder, options.posesFile);
         }
+        if (!recording_.isTimed && isOneEach && found < recording_.frames.size())
+            throw InputError(
+                options.posesFile + ": has a pose for each of the " +
+                std::to_string(poses.size()) + " scans of " + recording_.path + ", but only " +
+                std::to_string(found) +
+                " at the times that the names of the files are taken for (their numbers, in "
+                "seconds); give poses without times (12 columns), or times in the names");
         skipped_ = missing;
         skipped_.badPoses = poses.skippedRows();
         track_ = poses;

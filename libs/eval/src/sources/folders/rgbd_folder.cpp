@@ -60,9 +60,36 @@ fs::path findGroundTruth(const fs::path& folder) {
                      "(--poses FILE)");
 }
 
-mrpt::obs::CObservation::Ptr readImage(const Frame& frame, const DepthCamera& camera) {
+/// All images of a folder are of one camera, whose intrinsics are for one size.
+class ImageSize {
+ public:
+    explicit ImageSize(const DepthCamera& camera) : isDefault_(camera.hasDefaultIntrinsics()) {}
+
+    /// \throws InputError naming the image and both sizes
+    void require(const std::string& file, std::uint32_t columns, std::uint32_t rows) {
+        const std::string size = std::to_string(columns) + " x " + std::to_string(rows);
+        if (isDefault_ &&
+            (columns != DepthCamera::kDefaultColumns || rows != DepthCamera::kDefaultRows))
+            throw InputError(file + ": is an image of " + size +
+                             ", but the camera that is taken where none is given is one of "
+                             "640 x 480; give its camera (--intrinsics)");
+        if (size_.empty()) size_ = size;
+        if (size != size_)
+            throw InputError(file + ": is an image of " + size + ", the first one is " + size_ +
+                             "; one camera has images of one size");
+    }
+
+ private:
+    bool isDefault_;
+    std::string size_;  ///< of the first image
+};
+
+mrpt::obs::CObservation::Ptr readImage(const Frame& frame, const DepthCamera& camera,
+                                       ImageSize& size) {
     auto scan = mrpt::obs::CObservation3DRangeScan::Create();
     const auto image = readDepthPng(frame.file.string());
+    size.require(frame.file.string(), static_cast<std::uint32_t>(image.cols()),
+                 static_cast<std::uint32_t>(image.rows()));
     scan->hasRangeImage = true;
     scan->range_is_depth = true;
     scan->rangeUnits = static_cast<float>(1 / camera.unitsPerMetre);
@@ -93,8 +120,9 @@ std::unique_ptr<ScanSource> openRgbd(const fs::path& folder, const ScanSourceOpt
     }
     recording.guarded = true;  // libpng
     const bool ofCamera = options.poses == PoseOrigin::file;
-    recording.read = [camera = asked.depthCamera, ofCamera](const Frame& frame) {
-        auto scan = readImage(frame, camera);
+    recording.read = [camera = asked.depthCamera, ofCamera,
+                      size = ImageSize(asked.depthCamera)](const Frame& frame) mutable {
+        auto scan = readImage(frame, camera, size);
         // Robot poses of the file are those of the optical frame.
         if (ofCamera) scan->setSensorPose(-opticalFrame());
         return scan;

@@ -8,6 +8,7 @@
 
 #include "sources/poses/anchored_motion.h"
 #include "sources/poses/order_pairing.h"
+#include "sources/poses/pose_contradiction.h"
 
 namespace superray {
 namespace {
@@ -48,12 +49,31 @@ bool timesTell(const PoseCandidate& chosen, const std::vector<ScanPlace>& scans)
     return chosen.stream->entries.size() == 1 ? anyTime : stampsTell(scans);
 }
 
-/// The last pose before a place in the recording; `start` if there is none.
-CPose3D lastBefore(const PoseStream& poses, std::uint64_t order, const CPose3D& start = {}) {
+/// The last pose before a place in the recording; nullptr if there is none.
+const PoseEntry* entryBefore(const PoseStream& poses, std::uint64_t order) {
     const auto after =
         std::upper_bound(poses.entries.begin(), poses.entries.end(), order,
                          [](std::uint64_t o, const PoseEntry& e) { return o < e.place.order; });
-    return after == poses.entries.begin() ? start : std::prev(after)->pose;
+    return after == poses.entries.begin() ? nullptr : &*std::prev(after);
+}
+
+CPose3D lastBefore(const PoseStream& poses, std::uint64_t order, const CPose3D& start) {
+    const PoseEntry* entry = entryBefore(poses, order);
+    return entry ? entry->pose : start;
+}
+
+/// Each scan has the pose after the action before it. Where both have times, and the scan is
+/// later by more than is bridged, the robot may have been anywhere.
+void assignActions(const PoseStream& actions, const std::vector<ScanPlace>& scans,
+                   const PoseLimits& limits, PoseAssignment& to) {
+    const bool timed = stampsTell(actions) && stampsTell(scans);
+    for (const ScanPlace& s : scans) {
+        const PoseEntry* action = entryBefore(actions, s.place.order);
+        const bool tellsTime = timed && action && action->place.hasTime() && s.place.hasTime();
+        if (tellsTime && secondsBetween(action->place.time, s.place.time) > limits.maxGap)
+            continue;
+        to.byOrder[s.place.order] = action ? action->pose : CPose3D();
+    }
 }
 
 void assignByOrder(const std::vector<PoseEntry>& poses, const std::vector<ScanPlace>& scans,
@@ -103,7 +123,10 @@ AnchoredMotion anchorsByTime(const PoseStream& robotPoses, const PoseTrack& moti
 }
 
 PoseAssignment anchorInTime(const PoseCandidate& anchors, const PoseCandidate& motion,
-                            const PoseLimits& limits, std::size_t& anchorsUsed) {
+                            const PoseLimits& limits, const std::string& what,
+                            std::size_t& anchorsUsed) {
+    requireOnePoseATime(*anchors.stream, what + ": " + anchors.name());
+    requireOnePoseATime(*motion.stream, what + ": " + motion.name());
     PoseTrack odometry;
     for (const PoseEntry& e : motion.stream->entries)
         if (e.place.hasTime()) odometry.add(e.place.time, e.pose);
@@ -121,8 +144,8 @@ PoseAssignment anchorInTime(const PoseCandidate& anchors, const PoseCandidate& m
 }
 
 PoseAssignment anchorInOrder(const PoseCandidate& anchors, const PoseCandidate& motion,
-                             const std::vector<ScanPlace>& scans, const std::string& what,
-                             std::size_t& anchorsUsed) {
+                             const std::vector<ScanPlace>& scans, const PoseLimits& limits,
+                             const std::string& what, std::size_t& anchorsUsed) {
     // Before the first odometry the robot is taken to stand.
     const CPose3D start =
         motion.kind == PoseOrigin::actions ? CPose3D() : motion.stream->entries.front().pose;
@@ -131,7 +154,7 @@ PoseAssignment anchorInOrder(const PoseCandidate& anchors, const PoseCandidate& 
         anchored.addAnchor(static_cast<double>(e.place.order), e.pose,
                            lastBefore(*motion.stream, e.place.order, start));
     anchorsUsed = anchored.anchors();
-    PoseAssignment own = assignPoses(motion, scans, what);
+    PoseAssignment own = assignPoses(motion, scans, limits, what);
     PoseAssignment result;
     for (const auto& [order, pose] : own.byOrder)
         result.byOrder[order] = anchored.pose(static_cast<double>(order), pose);
@@ -155,12 +178,16 @@ std::uint64_t PoseAssignment::count(const std::vector<ScanPlace>& scans,
 }
 
 PoseAssignment assignPoses(const PoseCandidate& chosen, const std::vector<ScanPlace>& scans,
-                           const std::string& what) {
+                           const PoseLimits& limits, const std::string& what) {
     PoseAssignment result;
     if (chosen.kind == PoseOrigin::actions) {
-        for (const ScanPlace& s : scans)
-            result.byOrder[s.place.order] = lastBefore(*chosen.stream, s.place.order);
-    } else if (timesTell(chosen, scans)) {
+        assignActions(*chosen.stream, scans, limits, result);
+        return result;
+    }
+    // Where most times are the same, they tell nothing.
+    if (mostTimesDiffer(*chosen.stream))
+        requireOnePoseATime(*chosen.stream, what + ": " + chosen.name());
+    if (timesTell(chosen, scans)) {
         result.byTime = true;
         for (const PoseEntry& e : chosen.stream->entries)
             if (e.place.hasTime()) result.track.add(e.place.time, e.pose);
@@ -175,8 +202,9 @@ PoseAssignment assignAnchored(const PoseCandidate& anchors, const PoseCandidate&
                               const std::vector<ScanPlace>& scans, const PoseLimits& limits,
                               const std::string& what, std::size_t& anchorsUsed) {
     anchorsUsed = 0;
-    return timesTell(motion, scans) ? anchorInTime(anchors, motion, limits, anchorsUsed)
-                                    : anchorInOrder(anchors, motion, scans, what, anchorsUsed);
+    return timesTell(motion, scans)
+               ? anchorInTime(anchors, motion, limits, what, anchorsUsed)
+               : anchorInOrder(anchors, motion, scans, limits, what, anchorsUsed);
 }
 
 }  // namespace superray

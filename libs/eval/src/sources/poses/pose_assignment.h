@@ -32,10 +32,12 @@ struct PoseAssignment {
 };
 
 /// The poses of one kind and label. By time, but by order where time stamps are invalid or
-/// mostly equal, and among poses of the same time; actions always by order.
-/// \throws InputError, naming `what`, if the order does not tell
+/// mostly equal, and among poses of the same time; actions always by order, but not beyond the
+/// longest gap that is bridged.
+/// \throws InputError, naming `what`, if the order does not tell, or two poses of one time
+///         contradict each other
 PoseAssignment assignPoses(const PoseCandidate& chosen, const std::vector<ScanPlace>& scans,
-                           const std::string& what);
+                           const PoseLimits& limits, const std::string& what);
 
 /// Odometry or actions, fixed to the map by robot poses; see AnchoredMotion.
 /// \param anchorsUsed how many robot poses are near the odometry in time; if none is, the

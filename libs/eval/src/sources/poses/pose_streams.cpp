@@ -11,13 +11,6 @@ namespace {
 
 using mrpt::poses::CPose3D;
 
-bool isFinite(const CPose3D& pose) {
-    double sum = pose.x() + pose.y() + pose.z();
-    for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k) sum += pose.getRotationMatrix()(i, k);
-    return std::isfinite(sum);
-}
-
 bool isIdentity(const CPose3D& pose) {
     constexpr double kNothing = 1e-9;  // [m] and [rad]: rounding of text logs
     return pose.norm() < kNothing && std::abs(pose.yaw()) < kNothing &&
@@ -25,6 +18,13 @@ bool isIdentity(const CPose3D& pose) {
 }
 
 }  // namespace
+
+bool isFinite(const CPose3D& pose) {
+    double sum = pose.x() + pose.y() + pose.z();
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) sum += pose.getRotationMatrix()(i, k);
+    return std::isfinite(sum);
+}
 
 void PoseStream::add(const Place& place, const CPose3D& pose) {
     if (isFinite(pose))

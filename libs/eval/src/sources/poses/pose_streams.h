@@ -24,6 +24,8 @@ struct Place {
     bool hasTime() const { return time != mrpt::Clock::time_point(); }
 };
 
+bool isFinite(const mrpt::poses::CPose3D& pose);
+
 struct PoseEntry {
     Place place;
     mrpt::poses::CPose3D pose;

@@ -101,13 +101,13 @@ void ScanPoses::decide(const RecordedPoses& recorded, const ScanSourceOptions& o
     const auto robotPoses = chooser.robotPoses();
     if (!robotPoses) {
         if (const auto motion = chooser.motion())
-            use(*motion, assignPoses(*motion, scans, what), recorded);
+            use(*motion, assignPoses(*motion, scans, limits_, what), recorded);
         return;
     }
     PoseAssignment alone;
     std::optional<InputError> failure;
     try {
-        alone = assignPoses(*robotPoses, scans, what);
+        alone = assignPoses(*robotPoses, scans, limits_, what);
     } catch (const InputError& e) {
         failure = e;
     }
@@ -128,7 +128,7 @@ void ScanPoses::decide(const RecordedPoses& recorded, const ScanSourceOptions& o
     } else if (posed > 0) {
         use(*robotPoses, alone, recorded);
     } else {
-        use(*motion, assignPoses(*motion, scans, what), recorded);
+        use(*motion, assignPoses(*motion, scans, limits_, what), recorded);
         summary_.note = name + std::to_string(robotPoses->stream->entries.size()) +
                         ", not used: at none of their times is a scan or a movement";
     }
