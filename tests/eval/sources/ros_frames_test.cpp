@@ -8,104 +8,14 @@
 #include <limits>
 #include <utility>
 
-#include "eval/recorded_scans.h"
 #include "eval/sources/pose_matchers.h"
-#include "eval/temp_folder.h"
-#include "sources/ros/robot_frame.h"
+#include "eval/sources/ros_recording_in_memory.h"
 
 namespace superray {
 namespace {
 
 using namespace test;
 using mrpt::poses::CPose3D;
-
-constexpr double kStart = 1000;  // [s]
-
-/// Bytes of ROS 1 messages.
-class Bytes {
- public:
-    template <class T>
-    Bytes& add(T value) {
-        bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-        return *this;
-    }
-    Bytes& add(const char* text) { return add(std::string(text)); }
-    Bytes& add(const std::string& text) {
-        add(static_cast<std::uint32_t>(text.size()));
-        bytes_ += text;
-        return *this;
-    }
-    /// \param seconds after kStart: a stamp of 0 means that none is known
-    Bytes& header(double seconds, const std::string& frame) {
-        const double whole = std::floor(kStart + seconds);
-        add(std::uint32_t{0}).add(static_cast<std::uint32_t>(whole));
-        return add(static_cast<std::uint32_t>((kStart + seconds - whole) * 1e9)).add(frame);
-    }
-    Bytes& pose(double x, double yaw) {
-        for (const double v : {x, 0.0, 0.0, 0.0, 0.0, std::sin(yaw / 2), std::cos(yaw / 2)})
-            add(v);
-        return *this;
-    }
-    Bytes& zeros(int count) {
-        for (int i = 0; i < count; ++i) add(0.0);
-        return *this;
-    }
-    const std::string& text() const { return bytes_; }
-
- private:
-    std::string bytes_;
-};
-
-/// A recording in memory, and what a first pass makes of it.
-class Recording final : public RosRecording {
- public:
-    explicit Recording(const ScanSourceOptions& options = {})
-        : RosRecording("memory"), contents_(options) {}
-
-    void add(const std::string& topic, const std::string& type, const Bytes& bytes) {
-        contents_.add(*this, {topicNumber(topic, type, "ros1"), bytes.text()});
-    }
-    void tf(double seconds, const std::string& parent, const std::string& child, double x,
-            double yaw = 0, const std::string& topic = "/tf") {
-        Bytes bytes;
-        bytes.add(std::uint32_t{1}).header(seconds, parent).add(child).pose(x, yaw);
-        add(topic, "tf2_msgs/TFMessage", bytes);
-    }
-    void fixed(const std::string& parent, const std::string& child, double x, double yaw = 0) {
-        tf(0, parent, child, x, yaw, "/tf_static");
-    }
-    void odometry(double seconds, const std::string& frame, const std::string& child, double x,
-                  const std::string& topic = "/odom") {
-        Bytes bytes;
-        bytes.header(seconds, frame).add(child).pose(x, 0).zeros(36 + 6 + 36);
-        add(topic, "nav_msgs/Odometry", bytes);
-    }
-    /// Without points: only its frame matters here.
-    void cloud(double seconds, const std::string& frame, const std::string& topic = "/points") {
-        Bytes bytes;
-        bytes.header(seconds, frame);
-        add(topic, "sensor_msgs/PointCloud2", bytes);
-    }
-
-    std::optional<RosMessage> next() override { return std::nullopt; }
-    const RosContents& contents() const { return contents_; }
-    RobotFrame robot(const ScanSourceOptions& options = {}) const {
-        return chooseRobotFrame(contents_, options, "memory");
-    }
-    std::string error() const {
-        return messageOf<InputError>([&] { robot(); });
-    }
-    PoseStreams poses() const { return robotPoses(contents_, robot().name, limits()).streams; }
-
-    static PoseLimits limits() {
-        PoseLimits limits;
-        limits.maxGap = 2;
-        return limits;
-    }
-
- private:
-    RosContents contents_;
-};
 
 CPose3D ahead(double x, double yaw = 0) {
     return CPose3D(x, 0, 0, yaw, 0, 0);
