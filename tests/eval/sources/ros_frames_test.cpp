@@ -10,6 +10,7 @@
 
 #include "eval/sources/pose_matchers.h"
 #include "eval/sources/ros_recording_in_memory.h"
+#include "eval/sources/ros_samples.h"
 
 namespace superray {
 namespace {
@@ -91,6 +92,21 @@ TEST(RosFrames, framesWithoutAWayAreNamed) {
     expectPart(two.error(), "'/b' are in the frame 'rear'");
 }
 
+const char* const kNone = "no exception";  // see messageOf()
+
+/// In metres along z, turned by the quaternion's z and w.
+std::array<double, 7> above(double z, double qz = 0, double qw = 1) {
+    return {0, 0, z, 0, 0, qz, qw};
+}
+
+/// A robot that drives in odom, its sensor at 'lidar', without the way there.
+void addDrive(Recording& r, const std::string& scanFrame = "lidar") {
+    for (int i = 0; i <= 4; ++i) {
+        r.tf(i, "odom", "base_link", 0.5 * i);
+        if (i > 0) r.cloud(i, scanFrame);
+    }
+}
+
 TEST(RosFrames, staticTransformsThatDifferAreRefused) {
     Recording r;
     r.fixed("base_link", "lidar", 1);
@@ -98,7 +114,155 @@ TEST(RosFrames, staticTransformsThatDifferAreRefused) {
     r.cloud(1, "lidar");
     EXPECT_EQ(r.robot().name, "base_link");
     r.fixed("base_link", "lidar", 2);
-    expectPart(r.error(), "different transforms between 'lidar' and 'base_link'");
+    expectPart(r.error(),
+               "/tf_static tells that 'lidar' is in 'base_link' at (1, 0, 0) m, quaternion "
+               "(0, 0, 0, 1), and at (2, 0, 0) m");
+    expectPart(r.error(), "the sensor of '/points'");
+    // Of no concern, if nothing is taken from there.
+    Recording other;
+    other.fixed("base_link", "imu", 1);
+    other.fixed("base_link", "imu", 2);
+    other.fixed("base_link", "lidar", 1);
+    addDrive(other);
+    EXPECT_EQ(other.build().scans, 4u);
+}
+
+TEST(RosFrames, staticTransformsOfOneRotationAreTheSame) {
+    // As several publishers make them of one description.
+    for (const auto& again :
+         {above(1, -0.6, -0.8), above(1 + 1e-9, 0.6 + 1e-9, 0.8), above(1, 0.606, 0.808)}) {
+        Recording r;
+        r.tf(0, "base_link", "lidar", above(1, 0.6, 0.8), "/tf_static");
+        r.tf(0, "base_link", "lidar", again, "/tf_static");
+        addDrive(r);
+        EXPECT_EQ(r.build().scans, 4u);
+    }
+    for (const auto& other : {above(1.0001, 0.6, 0.8), above(1, 0.6001, 0.7999)}) {
+        Recording r;
+        r.tf(0, "base_link", "lidar", above(1, 0.6, 0.8), "/tf_static");
+        r.tf(0, "base_link", "lidar", other, "/tf_static");
+        addDrive(r);
+        expectPart(r.buildError(), "/tf_static tells that 'lidar'");
+    }
+}
+
+TEST(RosFrames, posesThatNeedContradictedTransformsAreRefused) {
+    Recording r;
+    addDrive(r, "base_link");
+    r.fixed("map", "odom", 0);
+    const auto before = r.build();
+    expectPart(before.poses, "robot poses 'tf map'");
+    r.fixed("map", "odom", 100);
+    const auto error = r.buildError();
+    for (const char* part :
+         {"'odom' is in 'map' at (0, 0, 0) m", "and at (100, 0, 0) m", "robot poses 'tf map'"})
+        expectPart(error, part);
+    // Not where other poses are taken.
+    EXPECT_EQ(r.build(rosOptions("", "tf odom")).digest, before.digest);
+    ScanSourceOptions fixed;
+    fixed.poses = PoseOrigin::fixed;
+    EXPECT_EQ(r.build(fixed).scans, 4u);
+
+    Recording foot;
+    for (int i = 0; i <= 4; ++i) {
+        foot.odometry(i, "odom", "base_footprint", i);
+        foot.cloud(i, "base_link");
+    }
+    foot.fixed("base_footprint", "base_link", 0.1);
+    EXPECT_EQ(foot.build().scans, 5u);
+    foot.fixed("base_footprint", "base_link", 5);
+    expectPart(foot.buildError(), "'base_link' is in 'base_footprint' at (0.1, 0, 0) m");
+    expectPart(foot.buildError(), "which of them holds for odometry '/odom'");
+}
+
+TEST(RosFrames, whatBothTopicsTellMustBeTheSame) {
+    for (const bool staticIsFirst : {true, false})
+        for (const double moving : {1, 2}) {
+            Recording r;
+            const auto fix = [&] { r.tf(0, "base_link", "lidar", above(1), "/tf_static"); };
+            if (staticIsFirst) fix();
+            for (int i = 0; i <= 4; ++i) r.tf(i, "base_link", "lidar", above(moving), "/tf");
+            if (!staticIsFirst) fix();
+            addDrive(r);
+            if (moving == 1) {
+                EXPECT_EQ(r.build().scans, 4u);
+            } else {
+                expectPart(r.buildError(),
+                           "/tf_static tells that 'lidar' is in 'base_link' at (0, 0, 1) m, "
+                           "quaternion (0, 0, 0, 1), and /tf at (0, 0, 2) m");
+            }
+        }
+}
+
+TEST(RosFrames, aSensorOfTwoParentsMustBeAtOnePlace) {
+    const auto lidarAt = [](double x, const std::string& parent, const std::string& above) {
+        Recording r;
+        r.fixed("base_link", "lidar", 1);
+        r.fixed(parent, "lidar", x);
+        r.fixed(above, parent, 0.5);
+        addDrive(r);
+        return r.buildError();
+    };
+    expectPart(lidarAt(3, "imu", "base_link"),
+               "'lidar' is in 'base_link' at (1, 0, 0) m, quaternion (0, 0, 0, 1) by way of "
+               "'base_link', and at (3.5, 0, 0) m, quaternion (0, 0, 0, 1) by way of 'imu', "
+               "'base_link'");
+    EXPECT_EQ(lidarAt(0.5, "imu", "base_link"), kNone);
+    EXPECT_EQ(lidarAt(0.5001, "imu", "base_link"), kNone);  // rounded
+    // Not a way to the robot.
+    EXPECT_EQ(lidarAt(3, "scanned", "map"), kNone);
+    EXPECT_EQ(lidarAt(3, "odom", "map"), kNone);
+
+    // The robot's frame has two parents, the sensor is above both.
+    for (const double x : {-1.0, 4.0}) {
+        Recording r;
+        r.fixed("lidar", "base_link", -1);
+        r.fixed("lidar", "mast", 0.5);
+        r.fixed("mast", "base_link", x - 0.5);
+        addDrive(r);
+        const auto error = r.buildError();
+        if (x == -1.0)
+            EXPECT_EQ(error, kNone);
+        else
+            expectPart(error, "by way of 'mast', 'base_link'");
+    }
+}
+
+TEST(RosFrames, aTurningSensorOfTwoParentsIsComparedWhereItScans) {
+    for (const double off : {0.0, 1.0}) {
+        Recording r;
+        for (int i = 0; i <= 20; ++i) r.tf(0.2 * i, "base_link", "lidar", 1, 0.1 * i);
+        r.fixed("base_link", "mast", 1);
+        for (int i = 0; i <= 10; ++i) r.tf(0.4 * i, "mast", "lidar", off, 0.2 * i);
+        addDrive(r);
+        if (off == 0.0)
+            EXPECT_EQ(r.build().scans, 4u);
+        else
+            expectPart(r.buildError(), "by way of 'mast', 'base_link'");
+    }
+}
+
+TEST(RosFrames, aSensorWhoseTransformWasDroppedIsToldOf) {
+    const std::array<double, 7> none{0, 0, 1, 0, 0, 0, 0};
+    Recording r;
+    r.tf(0, "base_link", "lidar", none, "/tf_static");
+    addDrive(r);
+    const auto error = r.buildError();
+    expectPart(error,
+               "whose transform to the robot's frame 'base_link' was dropped: of 'lidar' in "
+               "'base_link', the quaternion (0, 0, 0, 0) is no rotation");
+    // If it is the only one that names the robot's frame, too; and a link further up.
+    Recording poses;
+    poses.tf(0, "base_link", "mast", none, "/tf_static");
+    poses.fixed("mast", "lidar", 1);
+    for (int i = 0; i <= 4; ++i) {
+        poses.poseStamped(i, "map", i, "/mocap");
+        poses.cloud(i, "lidar");
+    }
+    expectPart(poses.buildError(), "was dropped: of 'mast' in 'base_link'");
+    // Not if it was told rightly, too.
+    r.fixed("base_link", "lidar", 1);
+    EXPECT_EQ(r.build().scans, 4u);
 }
 
 TEST(RosFrames, theRobotIsTheChildOfTheOdometryWhereNoNameTells) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sources/ros/ros_messages.h"
@@ -32,14 +33,22 @@ struct TransformSample {
 /// All that is told of one frame in its parent.
 class FrameLink {
  public:
+    FrameLink(std::string child, std::string parent)
+        : child_(std::move(child)), parent_(std::move(parent)) {}
+
+    const std::string& child() const { return child_; }
+    const std::string& parent() const { return parent_; }
+
     /// Middle ones of equal samples within `bridge` [s] are dropped: those about them tell
     /// the same.
     void add(const TransformSample& sample, TransformTopic topic, double bridge);
 
     /// Told by /tf_static only.
     bool isFixed() const { return moving_.empty(); }
-    /// /tf_static told different transforms.
-    bool isContradicted() const { return isContradicted_; }
+    /// What /tf_static told twice, or /tf otherwise than it, in words; empty: nothing.
+    const std::string& contradiction() const { return contradiction_; }
+    /// Told by /tf_static, or always the same by /tf, too.
+    bool neverChanges() const { return isFixed() || !changes_; }
     /// Those of /tf, in the order of the file.
     const std::vector<TransformSample>& moving() const { return moving_; }
 
@@ -47,8 +56,12 @@ class FrameLink {
     PoseAnswer at(mrpt::Clock::time_point time, const PoseLimits& limits) const;
 
  private:
-    std::optional<RosPose> fixed_;
-    bool isContradicted_ = false, changes_ = false;
+    void compareWithFixed(const RosPose& told, TransformTopic topic);
+
+    std::string child_, parent_;
+    std::optional<RosPose> fixed_;  // the first that was told
+    std::string contradiction_;
+    bool changes_ = false;
     std::vector<TransformSample> moving_;
     mutable std::unique_ptr<PoseTrack> track_;  // made when first asked for
 };
@@ -58,7 +71,9 @@ struct FrameChain {
     std::vector<const FrameLink*> links;  ///< the lowest first
 
     bool isFixed() const;
-    bool isContradicted() const;
+    bool neverChanges() const;
+    /// The first of its links; see there.
+    std::string contradiction() const;
     /// T_ancestor_frame.
     PoseAnswer at(mrpt::Clock::time_point time, const PoseLimits& limits) const;
 };
@@ -67,8 +82,18 @@ struct FrameChain {
 struct FramePath {
     FrameChain up, down;
 
+    bool neverChanges() const { return up.neverChanges() && down.neverChanges(); }
+    /// The first of its links; see there.
+    std::string contradiction() const;
+    /// Its frames after the first one: "'imu', 'base_link'".
+    std::string asText() const;
     /// T_to_from.
     PoseAnswer at(mrpt::Clock::time_point time, const PoseLimits& limits) const;
+};
+
+/// A transform that was told, and is none.
+struct DroppedTransform {
+    std::string child, parent, why;
 };
 
 class FrameTree {
@@ -81,6 +106,9 @@ class FrameTree {
 
     bool empty() const { return links_.empty(); }
     bool has(const std::string& frame) const;
+    /// Transforms that were dropped, of frames that no other tells: the first of each two
+    /// frames.
+    std::vector<DroppedTransform> dropped() const;
     /// All frames, by name.
     std::vector<std::string> frames() const;
 
@@ -97,9 +125,19 @@ class FrameTree {
     /// a frame that the robot moves in does not tell where the sensor is.
     std::optional<FramePath> path(const std::string& from, const std::string& to) const;
 
+    /// Ways by each parent of the frames that have several: one of them may be path(). Some
+    /// of them, if there are very many. Empty where no frame has several.
+    std::vector<FramePath> pathsByParents(const std::string& from, const std::string& to) const;
+
  private:
+    void addPathsUp(const std::string& from, const std::string& to,
+                    std::vector<FramePath>& paths) const;
+    void addPathsDown(const std::string& from, const std::string& to,
+                      std::vector<FramePath>& paths) const;
+
     double bridge_;
     std::map<std::string, std::map<std::string, FrameLink>> links_;  // by child, then parent
+    std::map<std::pair<std::string, std::string>, std::string> dropped_;  // likewise: why
 };
 
 }  // namespace superray

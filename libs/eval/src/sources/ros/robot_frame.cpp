@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "sources/poses/scan_poses.h"
+
 namespace superray {
 namespace {
 
@@ -25,6 +27,10 @@ std::vector<std::string> toldCandidates(const RosContents& contents) {
     for (const auto& [topic, told] : contents.odometry())
         if (!told.child.empty()) known.insert(told.child);
     for (const auto& frame : contents.scanFrames()) known.insert(frame.first);
+    for (const DroppedTransform& t : contents.frames().dropped()) {
+        known.insert(t.child);
+        known.insert(t.parent);
+    }
     std::vector<std::string> candidates;
     for (const char* name : {"base_link", "base_footprint"})
         for (const std::string& frame : known)
@@ -54,35 +60,68 @@ std::optional<RobotFrame> mountedOn(const std::string& frame, const RosContents&
     return robot;
 }
 
-[[noreturn]] void failUnmounted(const RosContents& contents, const std::string& robot,
-                                const std::string& what) {
-    std::string frame, topic;
-    for (const auto& [scanFrame, scanTopic] : contents.scanFrames())
-        if (frame.empty() && !contents.frames().path(scanFrame, robot)) {
-            frame = scanFrame;
-            topic = scanTopic;
-        }
-    const auto above = contents.frames().ancestors(robot);
-    const bool robotMovesInIt =
-        std::any_of(above.begin(), above.end(),
-                    [&](const FrameTree::Ancestor& a) { return a.frame == frame; });
+/// The frame itself, and all above it.
+std::set<std::string> namesAbove(const FrameTree& frames, const std::string& frame) {
+    std::set<std::string> names;
+    for (const FrameTree::Ancestor& a : frames.ancestors(frame)) names.insert(a.frame);
+    return names;
+}
+
+std::string listFrames(const FrameTree& frames) {
     constexpr std::size_t kListed = 20;
     std::string known;
-    auto names = contents.frames().frames();
+    auto names = frames.frames();
     const bool areMore = names.size() > kListed;
     if (areMore) names.resize(kListed);
     for (const std::string& name : names) known += (known.empty() ? "'" : ", '") + name + "'";
     if (areMore) known += ", and others";
-    throw InputError(
-        what + ": the scans of '" + topic + "' are in the frame '" + frame + "', " +
-        (robotMovesInIt ? "in which the robot moves ('" + robot +
-                              "'): they do not tell where the sensor was. Use another topic "
-                              "(--sensor)"
-                        : "which has no transform to the robot's frame '" + robot +
-                              "' (frames with transforms: " + (known.empty() ? "none" : known) +
-                              "). Record /tf_static with them, use other topics (--sensor), "
-                              "or give the poses of '" +
-                              frame + "' itself (--poses FILE)"));
+    return known.empty() ? "none" : known;
+}
+
+/// The transform that would have been a frame's way to the robot, had it not been dropped.
+std::optional<DroppedTransform> droppedBetween(const FrameTree& frames,
+                                               const std::string& frame,
+                                               const std::string& robot) {
+    const auto aboveIt = namesAbove(frames, frame);
+    std::set<std::string> aboveRobot;  // as far as /tf_static tells: see FrameTree::path()
+    for (const FrameTree::Ancestor& a : frames.ancestors(robot))
+        if (a.chain.isFixed()) aboveRobot.insert(a.frame);
+    for (const DroppedTransform& t : frames.dropped()) {
+        const bool isUpwards = aboveIt.count(t.child) > 0 && aboveRobot.count(t.parent) > 0;
+        const bool isDownwards = aboveRobot.count(t.child) > 0 && aboveIt.count(t.parent) > 0;
+        if (isUpwards || isDownwards) return t;
+    }
+    return std::nullopt;
+}
+
+[[noreturn]] void failUnmounted(const RosContents& contents, const std::string& robot,
+                                const std::string& what) {
+    const FrameTree& frames = contents.frames();
+    std::string frame, topic;
+    for (const auto& [scanFrame, scanTopic] : contents.scanFrames())
+        if (frame.empty() && !frames.path(scanFrame, robot)) {
+            frame = scanFrame;
+            topic = scanTopic;
+        }
+    std::string why;
+    if (namesAbove(frames, robot).count(frame) > 0) {
+        why = "in which the robot moves ('" + robot +
+              "'): they do not tell where the sensor was. Use another topic (--sensor)";
+    } else if (const auto dropped = droppedBetween(frames, frame, robot)) {
+        why = "whose transform to the robot's frame '" + robot + "' was dropped: of '" +
+              dropped->child + "' in '" + dropped->parent + "', " + dropped->why +
+              ". Record it as it should be, use other topics (--sensor), or give the poses "
+              "of '" +
+              frame + "' itself (--poses FILE)";
+    } else {
+        why = "which has no transform to the robot's frame '" + robot +
+              "' (frames with transforms: " + listFrames(frames) +
+              "). Record /tf_static with them, use other topics (--sensor), or give the "
+              "poses of '" +
+              frame + "' itself (--poses FILE)";
+    }
+    throw InputError(what + ": the scans of '" + topic + "' are in the frame '" + frame +
+                     "', " + why);
 }
 
 void noteUnusable(const std::string& topic, const std::string& child, const std::string& robot,
@@ -91,32 +130,75 @@ void noteUnusable(const std::string& topic, const std::string& child, const std:
           "', which has no transform to '" + robot + "'";
 }
 
-[[noreturn]] void failContradicted(const std::string& what, const std::string& scanFrame,
-                                   const std::string& robot) {
-    throw InputError(what + ": /tf_static tells different transforms between '" + scanFrame +
-                     "' and '" + robot + "': cut the recording where they change");
+/// Two ways whose links are rounded, or interpolated between other times, may differ by
+/// that [m, rad].
+constexpr double kSameFixedWay = 1e-3, kSameMovingWay = 1e-2;
+
+/// What the transforms of a path say twice, in words, or another way that says something
+/// else at one of these times; empty: nothing.
+std::string contradictionOf(const FramePath& path, const std::string& from,
+                            const std::string& to, const FrameTree& frames,
+                            const std::vector<mrpt::Clock::time_point>& times,
+                            const PoseLimits& limits) {
+    std::string told = path.contradiction();
+    if (!told.empty()) return told;
+    for (const FramePath& other : frames.pathsByParents(from, to)) {
+        const bool isFixed = path.neverChanges() && other.neverChanges();
+        for (const auto& time : times) {
+            const auto one = path.at(time, limits), two = other.at(time, limits);
+            if (!one.pose || !two.pose) continue;
+            const RosPose here = rosPoseOf(*one.pose), there = rosPoseOf(*two.pose);
+            if (!areSame(here, there, isFixed ? kSameFixedWay : kSameMovingWay))
+                return "'" + from + "' is in '" + to + "' at " + here.asText() + " by way of " +
+                       path.asText() + ", and at " + there.asText() + " by way of " +
+                       other.asText();
+            if (isFixed) break;
+        }
+    }
+    return "";
+}
+
+void checkMounts(const RobotFrame& robot, const RosContents& contents, const PoseLimits& limits,
+                 const std::string& what) {
+    std::map<std::string, std::vector<mrpt::Clock::time_point>> times;
+    for (std::size_t i = 0; i < contents.scans().size(); ++i)
+        times[*contents.frameOfScan()[i]].push_back(contents.scans()[i].place.time);
+    for (const auto& [frame, path] : robot.mounts) {
+        const auto told =
+            contradictionOf(path, frame, robot.name, contents.frames(), times[frame], limits);
+        if (told.empty()) continue;
+        throw InputError(what + ": " + told + ": where the sensor of '" +
+                         contents.scanFrames().at(frame) +
+                         "' is on the robot, is not known. Cut the recording where that "
+                         "changes, leave out the wrong one, or use other topics (--sensor)");
+    }
 }
 
 void addTopics(const std::map<std::string, TopicPoses>& topics, const FrameTree& frames,
                const std::string& robot, const PoseLimits& limits, PoseStreamsByLabel& to,
-               std::string& unusable) {
+               RosPoses& result) {
     for (const auto& [topic, told] : topics) {
         std::optional<FramePath> path = FramePath{};
         if (!told.child.empty()) path = frames.path(robot, told.child);
         if (!path) {
-            noteUnusable(topic, told.child, robot, unusable);
+            noteUnusable(topic, told.child, robot, result.unusable);
             continue;
         }
         PoseStream& stream = to[topic];
+        std::vector<mrpt::Clock::time_point> times;
         for (const TransformSample& s : told.samples) {
             const Place place{s.time, s.order, s.order};
             const auto pose = s.pose.asPose();
+            times.push_back(s.time);
             if (!pose) {
                 ++stream.notFinite;
             } else if (const auto there = path->at(s.time, limits); there.pose) {
                 stream.add(place, *pose + *there.pose);
             }
         }
+        if (told.child.empty()) continue;
+        const auto twice = contradictionOf(*path, robot, told.child, frames, times, limits);
+        if (!twice.empty()) result.contradictions[topic] = twice;
     }
 }
 
@@ -155,9 +237,7 @@ RobotFrame chooseRobotFrame(const RosContents& contents, const ScanSourceOptions
     for (const std::string& frame : candidates) {
         const auto robot = mountedOn(frame, contents);
         if (!robot) continue;
-        for (const auto& [scanFrame, path] : robot->mounts)
-            if (path.up.isContradicted() || path.down.isContradicted())
-                failContradicted(what, scanFrame, frame);
+        checkMounts(*robot, contents, poseLimits(options), what);
         return *robot;
     }
     failUnmounted(contents, candidates.front(), what);
@@ -167,10 +247,8 @@ RosPoses robotPoses(const RosContents& contents, const std::string& robotFrame,
                     const PoseLimits& limits) {
     RosPoses result;
     const FrameTree& frames = contents.frames();
-    addTopics(contents.odometry(), frames, robotFrame, limits, result.streams.odometry,
-              result.unusable);
-    addTopics(contents.poses(), frames, robotFrame, limits, result.streams.robotPoses,
-              result.unusable);
+    addTopics(contents.odometry(), frames, robotFrame, limits, result.streams.odometry, result);
+    addTopics(contents.poses(), frames, robotFrame, limits, result.streams.robotPoses, result);
     for (const FrameTree::Ancestor& a : frames.ancestors(robotFrame)) {
         if (a.chain.isFixed()) continue;
         const bool isToldByTopic =
@@ -181,6 +259,8 @@ RosPoses robotPoses(const RosContents& contents, const std::string& robotFrame,
         if (stream.empty()) continue;
         auto& to = a.isRoot ? result.streams.robotPoses : result.streams.odometry;
         to["tf " + a.frame] = std::move(stream);
+        const auto twice = a.chain.contradiction();
+        if (!twice.empty()) result.contradictions["tf " + a.frame] = twice;
     }
     return result;
 }

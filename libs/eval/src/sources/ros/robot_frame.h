@@ -29,7 +29,8 @@ void mount(const RosScan& scan, const mrpt::poses::CPose3D& T_robot_frame);
 /// The first of these that all scans have transforms to: base_link, base_footprint (or such
 /// in a namespace), the child frame of an odometry. Where none is told, or the poses are
 /// not from the recording: the top of /tf_static above the scans.
-/// \throws InputError naming the frames, if there is none
+/// \throws InputError naming the frames, if there is none, or if transforms on the way
+///         to them contradict each other
 RobotFrame chooseRobotFrame(const RosContents& contents, const ScanSourceOptions& options,
                             const std::string& what);
 
@@ -37,6 +38,8 @@ RobotFrame chooseRobotFrame(const RosContents& contents, const ScanSourceOptions
 struct RosPoses {
     PoseStreams streams;
     std::string unusable;  ///< in words; empty: nothing
+    /// What contradicts itself in the transforms that poses need, by their label.
+    std::map<std::string, std::string> contradictions;
 };
 
 /// All poses of the robot's frame. Labels of robot poses: topics of poses, and "tf FRAME" for

@@ -6,6 +6,7 @@
 #include <mrpt/core/Clock.h>
 #include <mrpt/poses/CPose3D.h>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,8 +26,20 @@ struct RosPose {
 
     /// Nothing if a number is not finite, or the quaternion has not about length 1.
     std::optional<mrpt::poses::CPose3D> asPose() const;
+    /// Why asPose() gives nothing, in words; empty if it gives a pose.
+    std::string problem() const;
+    /// E.g. "(0, 0, 1) m, quaternion (0, 0, 0, 1)".
+    std::string asText() const;
+    /// In all bits; see areSame().
     bool operator==(const RosPose& o) const { return values == o.values; }
 };
+
+RosPose rosPoseOf(const mrpt::poses::CPose3D& pose);
+
+/// Whether two poses differ by no more than that, in [m] of their positions and [rad] of
+/// their rotations (a quaternion and its negative are the same one).
+/// \pre both have an asPose()
+bool areSame(const RosPose& a, const RosPose& b, double tolerance);
 
 /// T_parent_child, or of a robot frame in a fixed one.
 struct RosTransform {

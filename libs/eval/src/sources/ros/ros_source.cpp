@@ -80,10 +80,36 @@ class RosSource final : public ScanSource {
         return robot_.mountAt(frame, place.time, poseLimits(options_));
     }
 
+    bool usesRecordedPoses() const {
+        return options_.poses != PoseOrigin::file && options_.poses != PoseOrigin::fixed;
+    }
+
+    /// \throws InputError if the poses that were decided on need transforms that contradict
+    ///         each other
+    void checkTransforms(const RecordedPoses& recorded, const RosPoses& found) const {
+        if (!usesRecordedPoses()) return;
+        const PoseChooser chooser(recorded.streams, options_, path_);
+        const auto check = [&](const std::optional<PoseCandidate>& used) {
+            const auto told =
+                used ? found.contradictions.find(used->label) : found.contradictions.end();
+            if (told != found.contradictions.end())
+                throw InputError(path_ + ": " + told->second + ": which of them holds for " +
+                                 used->name() +
+                                 ", is not known. Cut the recording where that changes, "
+                                 "leave out the wrong one, or choose other poses "
+                                 "(--pose-label, --poses FILE)");
+        };
+        const auto robotPoses = chooser.robotPoses();
+        check(robotPoses);
+        if (!robotPoses || poses_->summary().source != robotPoses->name())
+            check(chooser.motion());
+    }
+
     void givePoses() {
         RosPoses found = robotPoses(contents_, robot_.name, poseLimits(options_));
         const RecordedPoses recorded{std::move(found.streams), contents_.scans()};
         poses_.emplace(recorded, options_, path_);
+        checkTransforms(recorded, found);
         std::uint64_t posed = 0;
         for (std::size_t i = 0; i < recorded.scans.size(); ++i) {
             const Place& place = recorded.scans[i].place;
