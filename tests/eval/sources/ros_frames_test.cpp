@@ -242,6 +242,40 @@ TEST(RosFrames, aTurningSensorOfTwoParentsIsComparedWhereItScans) {
     }
 }
 
+TEST(RosFrames, posesInAFrameOfTheRobotAreNotItsOwn) {
+    for (const char* frame : {"base_link", "camera", "/wrist"}) {
+        Recording r;
+        r.fixed("base_link", "camera", 1);
+        for (int i = 0; i <= 4; ++i) r.tf(i, "camera", "wrist", 1);  // never changes
+        for (int i = 0; i <= 4; ++i) {
+            r.odometry(i, "odom", "base_link", i);
+            r.cloud(i, "base_link");
+        }
+        const auto expected = r.build();
+        for (int i = 0; i <= 4; ++i) r.poseStamped(i, frame, 3 - i, "/dock_pose");
+        const auto built = r.build();
+        EXPECT_EQ(built.digest, expected.digest) << frame;
+        expectPart(built.poses, "odometry '/odom', 5");
+        expectPart(built.poses, "without '/dock_pose', which is in the ");
+        const auto asked = r.buildError(rosOptions("", "/dock_pose"));
+        expectPart(asked, "'/dock_pose' (--pose-label) is in the ");
+        expectPart(asked, "the recording has: odometry '/odom' (5)");
+        expectPart(r.buildError(rosOptions("", "gps")), "without '/dock_pose'");
+        ScanSourceOptions poses;
+        poses.poses = PoseOrigin::robotPoses;
+        expectPart(r.buildError(poses), "'/dock_pose' is in the ");
+    }
+    // Those in other frames are, also if nothing is told of these.
+    for (const char* frame : {"map", ""}) {
+        Recording r;
+        for (int i = 0; i <= 4; ++i) {
+            r.poseStamped(i, frame, i, "/mocap");
+            r.cloud(i, "base_link");
+        }
+        expectPart(r.build().poses, "robot poses '/mocap', 5");
+    }
+}
+
 TEST(RosFrames, aSensorWhoseTransformWasDroppedIsToldOf) {
     const std::array<double, 7> none{0, 0, 1, 0, 0, 0, 0};
     Recording r;

@@ -174,10 +174,12 @@ void checkMounts(const RobotFrame& robot, const RosContents& contents, const Pos
     }
 }
 
+/// Topics of odometry, and of poses that are in no frame of the robot itself.
 void addTopics(const std::map<std::string, TopicPoses>& topics, const FrameTree& frames,
                const std::string& robot, const PoseLimits& limits, PoseStreamsByLabel& to,
                RosPoses& result) {
     for (const auto& [topic, told] : topics) {
+        if (result.notOfRobot.count(topic) > 0) continue;
         std::optional<FramePath> path = FramePath{};
         if (!told.child.empty()) path = frames.path(robot, told.child);
         if (!path) {
@@ -199,6 +201,21 @@ void addTopics(const std::map<std::string, TopicPoses>& topics, const FrameTree&
         if (told.child.empty()) continue;
         const auto twice = contradictionOf(*path, robot, told.child, frames, times, limits);
         if (!twice.empty()) result.contradictions[topic] = twice;
+    }
+}
+
+/// Poses in the robot's own frame, or in one that is fixed to it, are of what it sees.
+void findNotOfRobot(const RosContents& contents, const std::string& robot, RosPoses& result) {
+    for (const auto& [topic, told] : contents.poses()) {
+        if (told.frame.empty()) continue;  // not told
+        const auto path = contents.frames().path(told.frame, robot);
+        if (!path || !path->neverChanges()) continue;
+        const std::string why =
+            told.frame == robot
+                ? "is in the robot's own frame '" + robot + "'"
+                : "is in the frame '" + told.frame + "', which is fixed to the robot's";
+        result.notOfRobot[topic] = why;
+        result.unusable += (result.unusable.empty() ? "'" : ", '") + topic + "' " + why;
     }
 }
 
@@ -248,6 +265,7 @@ RosPoses robotPoses(const RosContents& contents, const std::string& robotFrame,
     RosPoses result;
     const FrameTree& frames = contents.frames();
     addTopics(contents.odometry(), frames, robotFrame, limits, result.streams.odometry, result);
+    findNotOfRobot(contents, robotFrame, result);
     addTopics(contents.poses(), frames, robotFrame, limits, result.streams.robotPoses, result);
     for (const FrameTree::Ancestor& a : frames.ancestors(robotFrame)) {
         if (a.chain.isFixed()) continue;

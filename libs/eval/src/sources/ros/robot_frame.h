@@ -38,13 +38,16 @@ RobotFrame chooseRobotFrame(const RosContents& contents, const ScanSourceOptions
 struct RosPoses {
     PoseStreams streams;
     std::string unusable;  ///< in words; empty: nothing
+    /// Topics that cannot be poses of the robot, with the reason.
+    std::map<std::string, std::string> notOfRobot;
     /// What contradicts itself in the transforms that poses need, by their label.
     std::map<std::string, std::string> contradictions;
 };
 
 /// All poses of the robot's frame. Labels of robot poses: topics of poses, and "tf FRAME" for
 /// the root of the moving transforms. Labels of odometry: topics, and "tf FRAME" for frames
-/// between root and robot that no odometry topic tells.
+/// between root and robot that no odometry topic tells. Topics of poses in a frame that is
+/// fixed to the robot are left out: they tell where something is that the robot sees.
 RosPoses robotPoses(const RosContents& contents, const std::string& robotFrame,
                     const PoseLimits& limits);
 

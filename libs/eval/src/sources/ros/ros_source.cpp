@@ -4,6 +4,7 @@
 #include "sources/ros/ros_source.h"
 
 #include <superray/eval/input_error.h>
+#include <superray/maps/option_text.h>
 
 #include <algorithm>
 #include <optional>
@@ -37,7 +38,7 @@ class RosSource final : public ScanSource {
     PoseSummary poses() const override {
         PoseSummary summary = poses_->summary();
         summary.note += (summary.note.empty() ? "" : ", ") + std::string("of the frame '") +
-                        robot_.name + "'";
+                        robot_.name + "'" + leftOut_;
         return summary;
     }
 
@@ -84,6 +85,20 @@ class RosSource final : public ScanSource {
         return options_.poses != PoseOrigin::file && options_.poses != PoseOrigin::fixed;
     }
 
+    /// Topics that are no poses of the robot must not be asked for; else they are told of.
+    void leaveOut(const RosPoses& found) {
+        if (!usesRecordedPoses()) return;
+        for (const std::string& label : splitList(options_.poseLabel)) {
+            const auto none = found.notOfRobot.find(label);
+            if (none != found.notOfRobot.end())
+                throw InputError(path_ + ": '" + label + "' (--pose-label) " + none->second +
+                                 ": it cannot tell where the robot is; choose other poses, " +
+                                 "the recording has: " + PoseChooser::list(found.streams));
+        }
+        for (const auto& [topic, why] : found.notOfRobot)
+            leftOut_ += ", without '" + topic + "', which " + why;
+    }
+
     /// \throws InputError if the poses that were decided on need transforms that contradict
     ///         each other
     void checkTransforms(const RecordedPoses& recorded, const RosPoses& found) const {
@@ -107,8 +122,14 @@ class RosSource final : public ScanSource {
 
     void givePoses() {
         RosPoses found = robotPoses(contents_, robot_.name, poseLimits(options_));
+        leaveOut(found);
         const RecordedPoses recorded{std::move(found.streams), contents_.scans()};
-        poses_.emplace(recorded, options_, path_);
+        try {
+            poses_.emplace(recorded, options_, path_);
+        } catch (const InputError& e) {
+            if (leftOut_.empty()) throw;
+            throw InputError(e.what() + leftOut_);
+        }
         checkTransforms(recorded, found);
         std::uint64_t posed = 0;
         for (std::size_t i = 0; i < recorded.scans.size(); ++i) {
@@ -157,7 +178,7 @@ class RosSource final : public ScanSource {
     RosContents contents_;
     RobotFrame robot_;
     std::optional<ScanPoses> poses_;  // set from the contents
-    std::string warning_;
+    std::string warning_, leftOut_;
     std::uint64_t total_ = 0, delivered_ = 0;
     SkippedObservations skipped_;
     std::unique_ptr<RosRecording> recording_;
