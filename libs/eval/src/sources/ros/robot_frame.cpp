@@ -134,6 +134,12 @@ void noteUnusable(const std::string& topic, const std::string& child, const std:
 /// that [m, rad].
 constexpr double kSameFixedWay = 1e-3, kSameMovingWay = 1e-2;
 
+std::string differing(const std::string& from, const std::string& to, const RosPose& here,
+                      const FramePath& path, const RosPose& there, const FramePath& other) {
+    return "'" + from + "' is in '" + to + "' at " + here.asText() + " by way of " +
+           path.asText() + ", and at " + there.asText() + " by way of " + other.asText();
+}
+
 /// What the transforms of a path say twice, in words, or another way that says something
 /// else at one of these times; empty: nothing.
 std::string contradictionOf(const FramePath& path, const std::string& from,
@@ -149,13 +155,18 @@ std::string contradictionOf(const FramePath& path, const std::string& from,
             if (!one.pose || !two.pose) continue;
             const RosPose here = rosPoseOf(*one.pose), there = rosPoseOf(*two.pose);
             if (!areSame(here, there, isFixed ? kSameFixedWay : kSameMovingWay))
-                return "'" + from + "' is in '" + to + "' at " + here.asText() + " by way of " +
-                       path.asText() + ", and at " + there.asText() + " by way of " +
-                       other.asText();
+                return differing(from, to, here, path, there, other);
             if (isFixed) break;
         }
     }
     return "";
+}
+
+[[noreturn]] void failContradicted(const std::string& what, const std::string& told,
+                                   const std::string& topic) {
+    throw InputError(what + ": " + told + ": where the sensor of '" + topic +
+                     "' is on the robot, is not known. Cut the recording where that "
+                     "changes, leave out the wrong one, or use other topics (--sensor)");
 }
 
 void checkMounts(const RobotFrame& robot, const RosContents& contents, const PoseLimits& limits,
@@ -167,10 +178,7 @@ void checkMounts(const RobotFrame& robot, const RosContents& contents, const Pos
         const auto told =
             contradictionOf(path, frame, robot.name, contents.frames(), times[frame], limits);
         if (told.empty()) continue;
-        throw InputError(what + ": " + told + ": where the sensor of '" +
-                         contents.scanFrames().at(frame) +
-                         "' is on the robot, is not known. Cut the recording where that "
-                         "changes, leave out the wrong one, or use other topics (--sensor)");
+        failContradicted(what, told, contents.scanFrames().at(frame));
     }
 }
 
@@ -215,7 +223,8 @@ void findNotOfRobot(const RosContents& contents, const std::string& robot, RosPo
                 ? "is in the robot's own frame '" + robot + "'"
                 : "is in the frame '" + told.frame + "', which is fixed to the robot's";
         result.notOfRobot[topic] = why;
-        result.unusable += (result.unusable.empty() ? "'" : ", '") + topic + "' " + why;
+        result.unusable += result.unusable.empty() ? "'" : ", '";
+        result.unusable.append(topic).append("' ").append(why);
     }
 }
 

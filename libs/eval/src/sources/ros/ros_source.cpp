@@ -96,7 +96,7 @@ class RosSource final : public ScanSource {
                                  "the recording has: " + PoseChooser::list(found.streams));
         }
         for (const auto& [topic, why] : found.notOfRobot)
-            leftOut_ += ", without '" + topic + "', which " + why;
+            leftOut_.append(", without '").append(topic).append("', which ").append(why);
     }
 
     /// \throws InputError if the poses that were decided on need transforms that contradict
