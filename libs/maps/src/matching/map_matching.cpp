@@ -53,6 +53,15 @@ void checkParams(const mrpt::maps::TMatchingParams& params) {
         fail("onlyUniqueRobust needs onlyKeepTheClosest");
 }
 
+/// How far from a point its partner may be [m]; < 0 or NaN: it has none.
+double reachOf(const mrpt::maps::TMatchingParams& params, const mrpt::math::TPoint3D& p) {
+    const double angle = double{params.maxAngularDistForCorrespondence};
+    const double away = p.distanceTo(params.angularDistPivotPoint);
+    // Even an infinite angle spans nothing at the pivot itself.
+    const double across = away > 0 || std::isnan(angle) ? angle * away : 0;
+    return double{params.maxDistForCorrespondence} + across;
+}
+
 /// What a point is paired with.
 template <int Dim>
 struct Partner {
@@ -107,14 +116,10 @@ void matchPoints(const OccupancyMap<Dim>& map, const SurfaceStatistics<Dim>* sta
         throw std::invalid_argument(
             "matching against an occupancy map: the other map must be, or hold, a points map");
     const std::size_t step = params.decimation_other_map_points;
-    const auto reachOf = [&](const mrpt::math::TPoint3D& p) {
-        return params.maxDistForCorrespondence + params.maxAngularDistForCorrespondence *
-                                                     p.distanceTo(params.angularDistPivotPoint);
-    };
-    double farthest = 0;
+    double farthest = -1;
     std::size_t asked = 0;
     for (std::size_t i = params.offset_other_map_points; i < points->size(); i += step, ++asked)
-        farthest = std::max(farthest, reachOf(pointInMap(*points, i, otherPose)));
+        farthest = std::max(farthest, reachOf(params, pointInMap(*points, i, otherPose)));
     if (asked == 0) return;
     const NearestOccupied<Dim> nearest(map, model.occupied(), farthest);
 
@@ -127,7 +132,7 @@ void matchPoints(const OccupancyMap<Dim>& map, const SurfaceStatistics<Dim>* sta
         const auto found = nearest(q);
         if (!found) continue;
         const auto partner = partnerIn(*found, q, map.geometry(), statistics);
-        if (partner.distance > reachOf(p)) continue;
+        if (!(partner.distance <= reachOf(params, p))) continue;
         const auto number =
             cellNumbers.emplace(partner.cell, static_cast<std::uint32_t>(cellNumbers.size()));
         mrpt::tfest::TMatchingPair pair;

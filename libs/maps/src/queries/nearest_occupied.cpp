@@ -11,6 +11,7 @@ template <int Dim>
 NearestOccupied<Dim>::NearestOccupied(const OccupancyMap<Dim>& map, float occupied,
                                       double radius)
     : map_(map), occupied_(occupied), radius_(radius) {
+    if (!(radius >= 0)) return;
     const double resolution = map.geometry().resolution();
     const int reach =
         static_cast<int>(std::min<double>(kMaxCells, std::ceil(radius / resolution)));

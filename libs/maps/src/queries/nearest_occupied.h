@@ -23,7 +23,7 @@ class NearestOccupied {
     };
 
     /// \param occupied log-odds from which a cell is occupied
-    /// \param radius [m] cells farther away are not found
+    /// \param radius [m] cells farther away are not found; < 0 or NaN: none is
     NearestOccupied(const OccupancyMap<Dim>& map, float occupied, double radius);
 
     /// \pre map.geometry().contains(p)

@@ -88,6 +88,8 @@ template <int Dim>
 double squaredDistanceFromAbove(DistanceField<Dim>& field,
                                 const typename DistanceField<Dim>::Source& source, double x,
                                 double y) {
+    // Comparisons would take NaN for a distance of 0.
+    if (!std::isfinite(x) || !std::isfinite(y)) return std::numeric_limits<double>::infinity();
     Point<Dim> p = Point<Dim>::Zero();
     p[0] = x;
     p[1] = y;

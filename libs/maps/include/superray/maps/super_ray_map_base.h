@@ -150,7 +150,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     /// \throws MapFileError
     void saveMetricMapRepresentationToFile(const std::string& prefix) const override;
     /// Share of the other map's points (it must be, or hold, a points map) that
-    /// have an occupied cell within maxDistForCorr; 0 for other maps.
+    /// have an occupied cell within maxDistForCorr; 0 for other maps, and for distances
+    /// that are < 0 or NaN.
     float compute3DMatchingRatio(const mrpt::maps::CMetricMap* other,
                                  const mrpt::poses::CPose3D& otherPose,
                                  const mrpt::maps::TMatchingRatioParams& params) const override;
@@ -159,7 +160,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     /// (foot point on the plane of its end points, or their mean), else with its
     /// centre. One pair per point, whatever onlyKeepTheClosest says. As with
     /// CPointsMap, correspondencesRatio is the share of the points asked for that
-    /// have a partner, and sumSqrDist the mean of the squared distances.
+    /// have a partner, and sumSqrDist the mean of the squared distances. Where the
+    /// distance allowed is < 0 or NaN, there are no pairs.
     /// \throws std::invalid_argument if the other map is or holds no points map,
     ///         or the parameters contradict each other
     void determineMatching3D(const mrpt::maps::CMetricMap* other,
@@ -173,7 +175,7 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
                              const mrpt::maps::TMatchingParams& params,
                              mrpt::maps::TMatchingExtraResults& extraResults) const override;
     /// [m^2] from (x0, y0), seen from above, to the nearest centre of an occupied cell;
-    /// infinite if there is none.
+    /// infinite if there is none, or the point is not finite.
     float squareDistanceToClosestCorrespondence(float x0, float y0) const override;
     /// Centres of the occupied cells (2D: z = 0); valid until the map changes.
     using mrpt::maps::CMetricMap::getAsSimplePointsMap;
