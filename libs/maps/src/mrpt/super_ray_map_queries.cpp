@@ -2,9 +2,14 @@
 // Questions to a map, parts of it, and maps made of two.
 
 #include <superray/maps/super_ray_map_base.h>
+#include <superray/storage/map_file.h>
+#include <superray/storage/memory_limit_error.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <string>
 
 #include "matching/likelihood.h"
 #include "queries/coarse_levels.h"
@@ -91,6 +96,29 @@ mrpt::maps::CMetricMap::Ptr CSuperRayMapBase<Dim>::subMap(const MetricBounds& bo
     return copy;
 }
 
+namespace {
+
+template <int Dim>
+typename OccupancyMap<Dim>::WrittenBlocks writing(const MergedBlocks<Dim>& blocks) {
+    return [&blocks](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
+        for (const auto& block : blocks) visit({block.key, block.values.data(), block.known});
+    };
+}
+
+/// A merge needs less than the machine's limit for itself, whatever the map holds already.
+void requireMachineFor(std::size_t more, std::size_t held, const std::string& map) {
+    const std::size_t limit = MapFileLimits::ofThisMachine().mapBytes;
+    if (more > limit)
+        throw MemoryLimitError(limit, held, held + more,
+                               map + ": this merge would take " + std::to_string(more) +
+                                   " bytes of memory or more, the limit is " +
+                                   std::to_string(limit) +
+                                   " (SUPERRAY_MAP_MEGABYTES); the map stays as it is. A "
+                                   "coarser resolution needs less");
+}
+
+}  // namespace
+
 template <int Dim>
 void CSuperRayMapBase<Dim>::merge(const mrpt::maps::CMetricMap& other,
                                   const mrpt::poses::CPose3D& T_map_other) {
@@ -99,13 +127,26 @@ void CSuperRayMapBase<Dim>::merge(const mrpt::maps::CMetricMap& other,
         throw std::invalid_argument(shortClassName() + ": cannot merge a " +
                                     other.GetRuntimeClass()->className + "; must be a " +
                                     std::to_string(Dim) + "D map of this library");
-    const auto blocks =
-        mergedBlocks<Dim>(*storage_, *from->storage_, T_map_other, sensorModel());
+    const SensorModel model = sensorModel();
+    const std::size_t held = heldBytes();
+    // Far from both limits, as nearly always, the number of blocks tells that.
+    const std::size_t bound = maxMegabytes_ == 0 ? std::numeric_limits<std::size_t>::max()
+                                                 : std::size_t{maxMegabytes_} << 20;
+    const std::size_t machine = MapFileLimits::ofThisMachine().mapBytes;
+    const auto blocks = mergedBlocks<Dim>(
+        *storage_, *from->storage_, T_map_other, model,
+        [&](const MergedBlocks<Dim>& merged, std::size_t workingBytes) {
+            const std::size_t most = storage_->heldBytesAtMost(merged.size(), 1) +
+                                     surfaceBytes() + companionBytesAtMost(merged.size());
+            if (most <= bound && most + workingBytes <= machine) return;
+            const auto written = writing<Dim>(merged);
+            requireRoomFor(written, surfaceBytes(), "this merge, or a part of it,");
+            const std::size_t needed = storage_->heldBytesWith(written) + surfaceBytes() +
+                                       companionBytesWith(written) + workingBytes;
+            requireMachineFor(needed - std::min(needed, held), held, shortClassName());
+        });
     if (blocks.empty()) return;
-    const auto visitAll = [&](const typename OccupancyMap<Dim>::BlockVisitor& visit) {
-        for (const auto& block : blocks) visit({block.key, block.values.data(), block.known});
-    };
-    if (maxMegabytes_ != 0) requireRoomFor(visitAll, surfaceBytes(), "this merge");
+    const auto visitAll = writing<Dim>(blocks);
     changes_.begin();
     for (const auto& block : blocks) changes_.add(block.key);
     view_->forget();

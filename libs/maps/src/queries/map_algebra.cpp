@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <unordered_set>
+#include <utility>
 
 namespace superray {
 namespace {
@@ -34,46 +35,133 @@ struct RigidMotion {
     Point<Dim> inverse(const Point<Dim>& p) const { return R.transpose() * (p - t); }
 };
 
-/// Blocks of `geometry` that a moved block of another map may touch.
+/// Blocks from `first` to `last`, both included.
 template <int Dim>
-void addTouchedBlocks(const BlockKey<Dim>& block, const CellGeometry<Dim>& from,
-                      const RigidMotion<Dim>& motion, const CellGeometry<Dim>& geometry,
-                      std::unordered_set<BlockKey<Dim>, IndexHash>& touched) {
+struct BlockRange {
+    BlockKey<Dim> first, last;
+
+    template <class Visit>
+    void forEach(const Visit& visit) const {
+        for (BlockKey<Dim> k = first;;) {
+            visit(k);
+            std::size_t a = 0;
+            for (; a < Dim && k[a] == last[a]; ++a) k[a] = first[a];
+            if (a == Dim) break;
+            ++k[a];
+        }
+    }
+};
+
+/// Blocks of `geometry` that a moved cube of another map may touch.
+/// \param corner the lowest one
+template <int Dim>
+BlockRange<Dim> touchedBlocks(const Point<Dim>& corner, double edge,
+                              const RigidMotion<Dim>& motion,
+                              const CellGeometry<Dim>& geometry) {
     Eigen::Array<double, Dim, 1> low, high;
     low.setConstant(std::numeric_limits<double>::infinity());
     high = -low;
-    for (int corner = 0; corner < 1 << Dim; ++corner) {
-        Point<Dim> p;
-        for (int a = 0; a < Dim; ++a)
-            p[a] = (block[static_cast<std::size_t>(a)] + ((corner >> a) & 1)) * kBlockEdge *
-                   from.resolution();
+    for (int c = 0; c < 1 << Dim; ++c) {
+        Point<Dim> p = corner;
+        for (int a = 0; a < Dim; ++a) p[a] += ((c >> a) & 1) * edge;
         const Point<Dim> q = motion(p);
         low = low.min(q.array());
         high = high.max(q.array());
     }
-    BlockKey<Dim> first, last;
-    const double edge = kBlockEdge * geometry.resolution();
+    BlockRange<Dim> touched;
+    const double blockEdge = kBlockEdge * geometry.resolution();
     constexpr double kLimit = kCellLimit / kBlockEdge;
     for (std::size_t a = 0; a < Dim; ++a) {
         // Centres lie half a cell inside: rounding at the borders does not matter.
         const auto axis = static_cast<Eigen::Index>(a);
-        const double lowest = std::floor(low[axis] / edge + 1e-6);
-        const double highest = std::ceil(high[axis] / edge - 1e-6) - 1;
+        const double lowest = std::floor(low[axis] / blockEdge + 1e-6);
+        const double highest = std::ceil(high[axis] / blockEdge - 1e-6) - 1;
         if (lowest < -kLimit || highest >= kLimit)
             throw std::invalid_argument(
                 "merging maps: cells would leave the addressable range of +-" +
                 std::to_string(kCellLimit) + " cells");
-        first[a] = static_cast<std::int32_t>(lowest);
-        last[a] = std::max(first[a], static_cast<std::int32_t>(highest));
+        touched.first[a] = static_cast<std::int32_t>(lowest);
+        touched.last[a] = std::max(touched.first[a], static_cast<std::int32_t>(highest));
     }
-    for (BlockKey<Dim> k = first;;) {
-        touched.insert(k);
-        std::size_t a = 0;
-        for (; a < Dim && k[a] == last[a]; ++a) k[a] = first[a];
-        if (a == Dim) break;
-        ++k[a];
-    }
+    return touched;
 }
+
+template <int Dim>
+class Merger {
+ public:
+    Merger(const OccupancyMap<Dim>& to, const OccupancyMap<Dim>& from,
+           const mrpt::poses::CPose3D& T_to_from, const SensorModel& model,
+           const MergeCheck<Dim>& check)
+        : to_(to), from_(from), motion_(T_to_from), model_(model), check_(check) {}
+
+    MergedBlocks<Dim> run() && {
+        // All of them first: the error is the same whatever memory there is.
+        from_.forEachBlock([&](const BlockView<Dim>& block) { rangeOf(block); });
+        from_.forEachBlock([&](const BlockView<Dim>& block) { addBlock(block); });
+        if (!merged_.empty()) check_(merged_, workingBytes());
+        return std::move(merged_);
+    }
+
+ private:
+    BlockRange<Dim> rangeOf(const BlockView<Dim>& block) const {
+        return touchedBlocks<Dim>(from_.geometry().lowerCorner(cellInBlock<Dim>(block.key, 0)),
+                                  kBlockEdge * from_.geometry().resolution(), motion_,
+                                  to_.geometry());
+    }
+
+    void addBlock(const BlockView<Dim>& block) {
+        const auto addKey = [&](const BlockKey<Dim>& key) { add(key); };
+        const double edge = from_.geometry().resolution();
+        if (to_.geometry().resolution() >= edge) return rangeOf(block).forEach(addKey);
+        // A block may touch a great many finer ones, of which its known cells touch few.
+        for (int i = 0; i < kBlockCells<Dim>; ++i)
+            if (block.known.test(i))
+                touchedBlocks<Dim>(from_.geometry().lowerCorner(cellInBlock<Dim>(block.key, i)),
+                                   edge, motion_, to_.geometry())
+                    .forEach(addKey);
+    }
+
+    /// What a block of `to` becomes, once.
+    void add(const BlockKey<Dim>& key) {
+        if (!touched_.insert(key).second) return;
+        MergedBlock<Dim> block{key, {}, {}};
+        for (int i = 0; i < kBlockCells<Dim>; ++i) {
+            const Point<Dim> p =
+                motion_.inverse(to_.geometry().center(cellInBlock<Dim>(key, i)));
+            if (!from_.geometry().contains(p)) continue;
+            const auto value = from_.logOdds(from_.geometry().cellOf(p));
+            if (!value) continue;
+            block.known.set(i);
+            block.values[static_cast<std::size_t>(i)] = *value;
+        }
+        if (block.known.any()) {
+            to_.visitBlock(key, [&](const BlockView<Dim>& before) {
+                for (int i = 0; i < kBlockCells<Dim>; ++i)
+                    if (before.known.test(i) && block.known.test(i))
+                        block.values[static_cast<std::size_t>(i)] += before.values[i];
+            });
+            for (float& v : block.values) v = std::clamp(v, model_.min(), model_.max());
+            merged_.push_back(block);
+        }
+        if (workingBytes() < nextCheck_) return;
+        check_(merged_, workingBytes());
+        nextCheck_ = workingBytes() / 8 * 9;
+    }
+
+    std::size_t workingBytes() const {
+        // A node of the table: next, key, hash, and its pointer; what the allocator adds.
+        constexpr std::size_t kPerKey = sizeof(BlockKey<Dim>) + 5 * sizeof(void*);
+        return merged_.size() * sizeof(MergedBlock<Dim>) + touched_.size() * kPerKey;
+    }
+
+    const OccupancyMap<Dim>&to_, &from_;
+    RigidMotion<Dim> motion_;
+    const SensorModel& model_;
+    const MergeCheck<Dim>& check_;
+    std::unordered_set<BlockKey<Dim>, IndexHash> touched_;
+    MergedBlocks<Dim> merged_;
+    std::size_t nextCheck_ = std::size_t{1} << 17;  // [bytes]
+};
 
 }  // namespace
 
@@ -103,43 +191,17 @@ void copyBox(const OccupancyMap<Dim>& from, const MetricBounds& box, OccupancyMa
 }
 
 template <int Dim>
-std::vector<MergedBlock<Dim>> mergedBlocks(const OccupancyMap<Dim>& to,
-                                           const OccupancyMap<Dim>& from,
-                                           const mrpt::poses::CPose3D& T_to_from,
-                                           const SensorModel& model) {
-    const RigidMotion<Dim> motion(T_to_from);
-    std::unordered_set<BlockKey<Dim>, IndexHash> touched;
-    from.forEachBlock([&](const BlockView<Dim>& block) {
-        addTouchedBlocks<Dim>(block.key, from.geometry(), motion, to.geometry(), touched);
-    });
-    std::vector<MergedBlock<Dim>> merged;
-    for (const BlockKey<Dim>& key : touched) {
-        MergedBlock<Dim> block{key, {}, {}};
-        for (int i = 0; i < kBlockCells<Dim>; ++i) {
-            const Point<Dim> p = motion.inverse(to.geometry().center(cellInBlock<Dim>(key, i)));
-            if (!from.geometry().contains(p)) continue;
-            const auto value = from.logOdds(from.geometry().cellOf(p));
-            if (!value) continue;
-            block.known.set(i);
-            block.values[static_cast<std::size_t>(i)] = *value;
-        }
-        if (!block.known.any()) continue;
-        to.visitBlock(key, [&](const BlockView<Dim>& before) {
-            for (int i = 0; i < kBlockCells<Dim>; ++i)
-                if (before.known.test(i) && block.known.test(i))
-                    block.values[static_cast<std::size_t>(i)] += before.values[i];
-        });
-        for (float& v : block.values) v = std::clamp(v, model.min(), model.max());
-        merged.push_back(block);
-    }
-    return merged;
+MergedBlocks<Dim> mergedBlocks(const OccupancyMap<Dim>& to, const OccupancyMap<Dim>& from,
+                               const mrpt::poses::CPose3D& T_to_from, const SensorModel& model,
+                               const MergeCheck<Dim>& check) {
+    return Merger<Dim>(to, from, T_to_from, model, check).run();
 }
 
 #define SUPERRAY_INSTANTIATE(Dim)                                                             \
     template void copyBox(const OccupancyMap<Dim>&, const MetricBounds&, OccupancyMap<Dim>&); \
-    template std::vector<MergedBlock<Dim>> mergedBlocks(                                      \
+    template MergedBlocks<Dim> mergedBlocks(                                                  \
         const OccupancyMap<Dim>&, const OccupancyMap<Dim>&, const mrpt::poses::CPose3D&,      \
-        const SensorModel&);
+        const SensorModel&, const MergeCheck<Dim>&);
 SUPERRAY_INSTANTIATE(2)
 SUPERRAY_INSTANTIATE(3)
 #undef SUPERRAY_INSTANTIATE

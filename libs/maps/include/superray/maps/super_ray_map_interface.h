@@ -88,6 +88,8 @@ class SuperRayMapInterface {
     /// and storage. \throws std::invalid_argument, and changes nothing, if the other is
     ///         not of this library and dimension, cells would not be addressable, or
     ///         (2D) the pose is not planar
+    /// \throws MemoryLimitError, likewise, if it would pass the bound, or take more memory
+    ///         for itself than MapFileLimits::ofThisMachine() allows
     virtual void merge(const mrpt::maps::CMetricMap& other,
                        const mrpt::poses::CPose3D& T_map_other) = 0;
 
