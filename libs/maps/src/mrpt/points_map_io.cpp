@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <sstream>
 #include <stdexcept>
 
 #include "mrpt/points_map_occupancy.h"
@@ -40,18 +41,56 @@ struct PointBytesOf {
     }
 };
 
+/// The mean of end points in a cell lies in the cell, but for its rounding.
+template <int Dim>
+bool liesInCell(const CellGeometry<Dim>& geometry, const Cell<Dim>& cell,
+                const std::array<float, 3>& position) {
+    const Point<Dim> center = geometry.center(cell);
+    for (std::size_t a = 0; a < position.size(); ++a) {
+        const double middle = a < Dim ? center[static_cast<Eigen::Index>(a)] : 0.0;
+        const double edge = a < Dim ? geometry.resolution() : 0.0;
+        const double rounding = 1e-6 * (std::abs(middle) + edge);
+        if (!(std::abs(double{position[a]} - middle) <= edge / 2 + rounding)) return false;
+    }
+    return true;
+}
+
+/// What can be done about points that others changed.
+constexpr const char* kWayOut =
+    "; write occupancy(), or the points as a CSimplePointsMap, instead";
+
+/// Points that others moved would be refused when the stream is read.
+template <int Dim>
+[[noreturn]] void failMoved(std::size_t point, const std::array<float, 3>& position) {
+    std::ostringstream message;
+    message << "CSuperRayPointsMap" << Dim << "D: point " << point << " at (" << position[0]
+            << ", " << position[1] << ", " << position[2]
+            << ") must lie in its cell, but others moved it (setPoint(), "
+               "changeCoordinatesReference()), and cells do not follow"
+            << kWayOut;
+    throw std::logic_error(message.str());
+}
+
 }  // namespace
 
 template <int Dim>
 void CSuperRayPointsMap<Dim>::writeTo(mrpt::serialization::CArchive& out) const {
     using PointBytes = PointBytesOf<Dim>;
     if (size() != sources_.size())
-        throw std::logic_error("CSuperRayPointsMap: points were added or removed by others");
+        throw std::logic_error("CSuperRayPointsMap" + std::to_string(Dim) +
+                               "D: " + std::to_string(size()) + " points for " +
+                               std::to_string(sources_.size()) +
+                               " occupied cells: must be as many, but others added or "
+                               "removed points" +
+                               kWayOut);
+    const auto& geometry = occupancy_->storage().geometry();
     PointBytes points;
     for (std::size_t i = 0; i < sources_.size(); ++i) {
+        const std::array<float, 3> position{m_x[i], m_y[i], m_z[i]};
+        if (!liesInCell<Dim>(geometry, sources_[i].cell, position)) failMoved<Dim>(i, position);
         for (const auto c : sources_[i].cell) points.put(c);
         points.put(sources_[i].ends);
-        for (const float coordinate : {m_x[i], m_y[i], m_z[i]}) points.put(coordinate);
+        for (const float coordinate : position) points.put(coordinate);
     }
     out << static_cast<const GridMap&>(*occupancy_);
     out << static_cast<std::uint64_t>(sources_.size());
@@ -118,24 +157,16 @@ void CSuperRayPointsMap<Dim>::readPoint(const Source& source,
     addPoint(source, position);
 }
 
-/// The mean of end points in a cell lies in the cell, but for its rounding.
 template <int Dim>
 void CSuperRayPointsMap<Dim>::requireInCell(const Source& source,
                                             const std::array<float, 3>& position) const {
-    const auto& geometry = occupancy_->storage().geometry();
     for (const auto c : source.cell)
         if (c < -kCellLimit || c >= kCellLimit)
             throw std::runtime_error("CSuperRayPointsMap: a point in the stream has cell " +
                                      std::to_string(c));
-    const Point<Dim> center = geometry.center(source.cell);
-    for (std::size_t a = 0; a < position.size(); ++a) {
-        const double middle = a < Dim ? center[static_cast<Eigen::Index>(a)] : 0.0;
-        const double edge = a < Dim ? geometry.resolution() : 0.0;
-        const double rounding = 1e-6 * (std::abs(middle) + edge);
-        if (!(std::abs(double{position[a]} - middle) <= edge / 2 + rounding))
-            throw std::runtime_error(
-                "CSuperRayPointsMap: a point in the stream lies outside its cell");
-    }
+    if (!liesInCell<Dim>(occupancy_->storage().geometry(), source.cell, position))
+        throw std::runtime_error(
+            "CSuperRayPointsMap: a point in the stream lies outside its cell");
 }
 
 template void CSuperRayPointsMap<2>::writeTo(mrpt::serialization::CArchive&) const;

@@ -7,6 +7,7 @@
 #include <superray/storage/for_each_cell.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <stdexcept>
@@ -167,6 +168,11 @@ void CSuperRayMapBase<Dim>::loadWithin(const std::string& path, std::uint32_t bo
 
 template <int Dim>
 void CSuperRayMapBase<Dim>::saveMetricMapRepresentationToFile(const std::string& prefix) const {
+    // Before anything is written. "out/.bt" would be a hidden file without an extension.
+    if (!std::filesystem::path(prefix).has_filename())
+        throw MapFileError("prefix \"" + prefix +
+                           "\" of map files: has no file name; must end in one, as \"" +
+                           prefix + "map\"");
     saveToFile(prefix + ".srmap");
     exportScene(prefix + ".3Dscene");
     if constexpr (Dim == 3) {

@@ -27,9 +27,10 @@ namespace superray {
 /// those of the grid map; matching is that of the points.
 ///
 /// The points follow the cells. Functions of CPointsMap that change points may be
-/// called, but the cells do not follow. Assigning through a CPointsMap& copies the
-/// cells, too, or throws std::invalid_argument if the other map is not of this class;
-/// from MRPT 2.13.2 on, it clears the cells and copies bare points.
+/// called, but the cells do not follow, and a map whose points were added, removed or
+/// moved out of their cells cannot be written to a stream (std::logic_error). Assigning through
+/// a CPointsMap& copies the cells, too, or throws std::invalid_argument if the other map is not
+/// of this class; from MRPT 2.13.2 on, it clears the cells and copies bare points.
 ///
 /// When memory runs out in an insertion, cells and points are as they were, as in
 /// CSuperRayMapBase. Threads: as CSuperRayMapBase.
@@ -65,6 +66,8 @@ class CSuperRayPointsMap : public AssignablePointsMap {
     // For the subclasses' serializeTo / serializeFrom.
     // Version 1: the points are one block of bytes with a checksum.
     static constexpr std::uint8_t kSerialVersion = 1;
+    /// \throws std::logic_error if others added, removed or moved points: it could not be
+    ///         read; std::invalid_argument for options with which it could not be
     void writeTo(mrpt::serialization::CArchive& out) const;
     /// On any error throws and leaves the map untouched.
     void readFrom(mrpt::serialization::CArchive& in, std::uint8_t version);

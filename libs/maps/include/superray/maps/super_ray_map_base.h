@@ -147,7 +147,8 @@ class CSuperRayMapBase : public mrpt::maps::CMetricMap,
     void getVisualizationInto(mrpt_viz::CSetOfObjects& objects) const override;
     /// Writes PREFIX.srmap and PREFIX.3Dscene, in 3D PREFIX.bt and PREFIX.ot, in 2D
     /// the picture PREFIX.png; each of them whole or not at all.
-    /// \throws MapFileError
+    /// \throws MapFileError, for a prefix without a file name ("", "out/") before anything
+    ///         is written
     void saveMetricMapRepresentationToFile(const std::string& prefix) const override;
     /// Share of the other map's points (it must be, or hold, a points map) that
     /// have an occupied cell within maxDistForCorr; 0 for other maps, and for distances
