@@ -80,6 +80,12 @@ struct Transform {
     }
 };
 
+/// False if a pose has NaN or Inf: then it is none.
+bool isFinite(const mrpt::poses::CPose3D& pose) {
+    const Transform T(pose);
+    return T.R.allFinite() && T.t.allFinite();
+}
+
 /// The transform of a time, made anew only when the time changes.
 class MovingSensor {
  public:
@@ -98,7 +104,7 @@ class MovingSensor {
             const auto pose = T_map_robot_(
                 timestamp_ + std::chrono::duration_cast<mrpt::Clock::duration>(after));
             transform_.reset();
-            if (pose) transform_.emplace(*pose + returns_.sensorOnRobot);
+            if (pose && isFinite(*pose)) transform_.emplace(*pose + returns_.sensorOnRobot);
         }
         return transform_ ? &*transform_ : nullptr;
     }

@@ -1,13 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <superray/maps/mrpt_compat.h>
 
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
 #include "sensors/sensor_returns.h"
 
 namespace superray {
+namespace {
+
+/// [rad] 6.29 is a full circle, too; 270 are degrees.
+constexpr double kWidest = 2 * M_PI + 0.01;
+
+[[noreturn]] void failAngle(const mrpt::obs::CObservation& scan, const char* what, double value,
+                            const char* rule) {
+    std::ostringstream message;
+    message << "scan \"" << scan.sensorLabel << "\": " << what << " = " << value
+            << " rad: must be " << rule;
+    throw std::invalid_argument(message.str());
+}
+
+}  // namespace
 
 std::optional<SensorReturns> read(const mrpt::obs::CObservation2DRangeScan& scan,
                                   const ReturnOptions& options) {
     if (scan.getScanSize() == 0) return std::nullopt;
+    if (!(scan.aperture >= 0 && scan.aperture <= kWidest))
+        failAngle(scan, "aperture", double{scan.aperture}, "from 0 to 2 pi");
     SensorReturns out;
     out.sensorOnRobot = scan.sensorPose;
     out.planar = true;
@@ -71,6 +91,10 @@ std::optional<SensorReturns> read(const mrpt::obs::CObservationRotatingScan& sca
         if (!points.hits.empty() || !isOneRow(scan)) return points;
     }
     if (!isOneRow(scan)) return std::nullopt;
+    if (!std::isfinite(scan.startAzimuth))
+        failAngle(scan, "startAzimuth", scan.startAzimuth, "finite");
+    if (!(std::abs(scan.azimuthSpan) <= kWidest))
+        failAngle(scan, "azimuthSpan", scan.azimuthSpan, "from -2 pi to 2 pi");
     SensorReturns out;
     out.sensorOnRobot = scan.sensorPose;
     ReturnCollector to(out, options, scan.maxRange);

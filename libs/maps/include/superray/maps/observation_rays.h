@@ -66,7 +66,9 @@ bool canReadReturns(const mrpt::obs::CObservation& observation);
 /// Reads a scan. Externally stored data are loaded, and unloaded again if they
 /// were not loaded before; otherwise the observation stays as it is.
 /// \return nothing if the observation has no ranges or points we can use
-/// \throws std::exception if its data contradict each other or cannot be loaded
+/// \throws std::exception if its data contradict each other or cannot be loaded;
+///         std::invalid_argument for an aperture that is not from 0 to 2 pi, a start of
+///         azimuths that is not finite, or a span of them beyond 2 pi
 std::optional<SensorReturns> readReturns(const mrpt::obs::CObservation& observation,
                                          const ReturnOptions& options);
 
@@ -83,13 +85,16 @@ RayBundle<Dim> toRays(const SensorReturns& returns, const mrpt::poses::CPose3D& 
                       const CellGeometry<Dim>& geometry, const TInsertionOptions& options,
                       TInsertionReport& report);
 
-/// Robot pose in the map frame at a time; nothing where it is not known.
+/// Robot pose in the map frame at a time; nothing where it is not known. One that is not
+/// finite counts as not known.
 using PoseAtTime = std::function<std::optional<mrpt::poses::CPose3D>(mrpt::Clock::time_point)>;
 
 /// The same for a robot that moves during the scan: each ray has the pose, and the
 /// origin, of its own time. Rays without a pose are left out and counted.
 /// \param timestamp of the observation
 /// \param returns read with ReturnTimes::read
+/// \throws std::invalid_argument if the sensor is not in the addressable range at the first
+///         measurement that has a pose
 template <int Dim>
 RayBundle<Dim> toRaysAlong(const SensorReturns& returns, mrpt::Clock::time_point timestamp,
                            const PoseAtTime& T_map_robot, const CellGeometry<Dim>& geometry,

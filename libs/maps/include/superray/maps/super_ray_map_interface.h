@@ -96,9 +96,9 @@ class SuperRayMapInterface {
     /// Inserts a scan that was taken while the robot moved: each ray from where the
     /// sensor was when it was measured (Velodyne packets: the time of each firing;
     /// 2D and single-row rotating scans: insertionOptions.sweepDuration; else all at
-    /// the observation's time stamp). Rays of times without a pose are left out and
-    /// counted. Depends on genericMapParams.enableObservationInsertion as
-    /// CMetricMap::insertObservation() does.
+    /// the observation's time stamp). Rays of times without a pose, or whose
+    /// pose is not finite, are left out and counted. Depends on
+    /// genericMapParams.enableObservationInsertion as CMetricMap::insertObservation() does.
     /// \return true if the map changed
     virtual bool insertObservationAlong(const mrpt::obs::CObservation& observation,
                                         const PoseAtTime& T_map_robot) = 0;
