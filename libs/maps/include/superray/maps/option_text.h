@@ -42,7 +42,7 @@ std::string withoutComment(const std::string& text);
 
 /// A text as errors show it: cut if it is long.
 std::string shortened(const std::string& text);
-/// A text of a file as a terminal may have it: control characters as \xNN.
+/// A text of a file as a terminal may have it: control characters by their codes (x1b).
 std::string printable(const std::string& text);
 
 bool equalIgnoringCase(const std::string& a, const std::string& b);
