@@ -56,7 +56,7 @@ bool isEmpty(const mrpt::poses::CPose3DPDF& pose) {
     using namespace mrpt::poses;
     if (const auto* particles = dynamic_cast<const CPose3DPDFParticles*>(&pose))
         return particles->particlesCount() == 0;
-    if (const auto* sum = dynamic_cast<const CPose3DPDFSOG*>(&pose)) return sum->size() == 0;
+    if (const auto* sum = dynamic_cast<const CPose3DPDFSOG*>(&pose)) return sum->empty();
     return false;
 }
 

@@ -70,7 +70,7 @@ BlockRange<Dim> touchedBlocks(const Point<Dim>& corner, double edge,
     }
     BlockRange<Dim> touched;
     const double blockEdge = kBlockEdge * geometry.resolution();
-    constexpr double kLimit = kCellLimit / kBlockEdge;
+    constexpr std::int32_t kLimit = kCellLimit / kBlockEdge;  // [blocks]
     for (std::size_t a = 0; a < Dim; ++a) {
         // Centres lie half a cell inside: rounding at the borders does not matter.
         const auto axis = static_cast<Eigen::Index>(a);
