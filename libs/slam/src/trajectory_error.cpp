@@ -68,8 +68,8 @@ std::vector<double> segmentLengths(const TrajectoryErrorOptions& options, double
     if (!options.segmentLengths.empty()) return options.segmentLengths;
     if (path < 200) return {path / 10, path / 4, path / 2};
     std::vector<double> lengths;
-    for (double length = 100; length <= std::min(800.0, path); length += 100)
-        lengths.push_back(length);
+    for (int hundreds = 1; hundreds <= 8 && 100 * hundreds <= path; ++hundreds)
+        lengths.push_back(100 * hundreds);
     return lengths;
 }
 
